@@ -1,0 +1,1 @@
+"""brep_slicer: laser metal deposition on shafts, planned on the exact B-Rep."""

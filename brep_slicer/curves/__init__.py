@@ -1,0 +1,15 @@
+"""Curves of an unrolled section: frozen values in the plane (kappa, v), pure numpy, no CAD kernel.
+
+In: the parameters of one edge of a section. Out: points, derivatives, exact integrals, samples to a chord.
+
+Words: *kind*, what a curve is (line, sinusoid, quadric, spline), kept to the end; *range*, the part of its own
+parameter that the edge covers; *chord*, how far a sampled polyline may lie off the curve.
+"""
+
+from .base import Curve, CurveKind
+from .line import LineCurve
+from .quadric import QuadricCurve
+from .sinusoid import SinusoidCurve
+from .spline import SplineCurve
+
+__all__ = ["Curve", "CurveKind", "LineCurve", "QuadricCurve", "SinusoidCurve", "SplineCurve"]

@@ -1,0 +1,37 @@
+"""What can go wrong, each with the exit code that the command returns for it.
+
+In: nothing. Out: one exception class per outcome of DESIGN's contract (2 bad input, 3 cannot be planned, 4 a layer
+failed). A message is one line that says what is wrong and what to do about it.
+"""
+
+from __future__ import annotations
+
+
+class BrepSlicerError(Exception):
+    """Base of every error that this library raises on purpose."""
+
+    exit_code: int = 2
+
+
+class InputError(BrepSlicerError, ValueError):
+    """A file, a shape or a value that cannot be used (exit code 2)."""
+
+    exit_code = 2
+
+
+class PlanningError(BrepSlicerError):
+    """A sound part that cannot be planned: no axis, several axes, no layer (exit code 3)."""
+
+    exit_code = 3
+
+
+class LayerError(BrepSlicerError):
+    """Some layer could not be cut with certainty (exit code 4)."""
+
+    exit_code = 4
+
+
+class KernelError(BrepSlicerError):
+    """The CAD kernel is missing, or its shared libraries cannot be loaded (exit code 2)."""
+
+    exit_code = 2

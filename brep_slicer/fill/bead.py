@@ -1,0 +1,71 @@
+"""Deposited tracks in the unrolled plane, and what filling one layer gives.
+
+In: points that a pattern planned in (kappa, v). Out: Bead and LayerFill values that the toolpath lifts.
+
+Words: *bead*, one deposited track, laser on from its first point to its last; *pattern*, a rule that lays beads.
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+
+import numpy as np
+
+from brep_slicer.curves.base import frozen_array
+from brep_slicer.maps import Array
+
+
+class BeadKind(enum.Enum):
+    """What laid a bead."""
+
+    HATCH = "hatch"
+    ZIGZAG = "zigzag"
+    CONTOUR = "contour"
+    SPIRAL = "spiral"
+    SKELETON = "skeleton"
+    RING = "ring"
+    HELIX = "helix"
+    FLANK = "flank"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Bead:
+    """One bead: `points` (n, 2) in (kappa, v), mm, n >= 2, kappa continuous (universal cover), in the order of deposition.
+
+    A `closed` bead ends where it starts, or, round the shaft, a whole number of turns further on; its last point says so.
+    `piece` is the index of the region's piece that it lies in.
+    """
+
+    points: Array
+    kind: BeadKind
+    piece: int = 0
+    closed: bool = False
+
+    def __post_init__(self) -> None:
+        points = frozen_array(self.points, name="points")
+        if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2:
+            raise ValueError(f"points must have shape (n >= 2, 2), got {points.shape}")
+        object.__setattr__(self, "points", points)
+
+    def length(self) -> float:
+        """Length in mm; the same in the plane and on the cylinder (Eq. 16 of the paper)."""
+        return float(np.hypot(*np.diff(self.points, axis=0).T).sum())
+
+    def reversed(self) -> Bead:
+        """The same bead, deposited the other way."""
+        return Bead(points=self.points[::-1], kind=self.kind, piece=self.piece, closed=self.closed)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LayerFill:
+    """The beads of one layer in the order of deposition, and what the pattern had to say about them.
+
+    `angle` and `step_over` are those used (rad, mm), by piece: on a full turn they differ from those asked by the closing
+    rule. `notes` are warnings in words (a piece too narrow for a bead, say), never silent.
+    """
+
+    beads: tuple[Bead, ...]
+    angle: tuple[float, ...] = ()
+    step_over: tuple[float, ...] = ()
+    notes: tuple[str, ...] = ()

@@ -1,0 +1,283 @@
+"""The process parameters of a plan, checked once, with what was assumed kept apart from what was given.
+
+In: numbers from Python, the command line or a TOML file. Out: a frozen Process.
+
+Words: *layer thickness* t, *step-over* d (bead centre to bead centre), *bead width* w, *inset* (how far inside of the
+outline a bead's centre stays), *clearance* (nozzle above what stands in its way), *hop* (a short travel that stays low).
+"""
+
+from __future__ import annotations
+
+import enum
+import itertools
+import math
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+from brep_slicer.errors import InputError
+
+# The paper's Table 3: laser spot 4.9 mm at a step-over of 3.4 mm, and a tool-head speed of 9 mm/s.
+WIDTH_PER_STEP_OVER = 1.44
+DEPOSITION_SPEED_MM_S = 9.0
+
+
+class LastLayer(enum.Enum):
+    """What becomes of a last layer that the height does not fill (DESIGN section 5)."""
+
+    KEEP = "keep"
+    DROP = "drop"
+    STRETCH = "stretch"
+
+
+class CutAt(enum.Enum):
+    """Where in its thickness a layer is cut."""
+
+    BOTTOM = "bottom"
+    MIDDLE = "middle"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Process:
+    """How to deposit. Lengths in mm, angles in rad, speeds in mm/s; `layer_thickness` and `step_over` are required.
+
+    Parameters
+    ----------
+    layer_thickness : float or sequence of float
+        t, one for all layers or one for each.
+    step_over : float
+        d, between the centres of neighbouring beads.
+    bead_width : float, optional
+        w; 1.44 d if not given (the paper's 4.9 / 3.4).
+    hatch_angles : sequence of float
+        Angle of layer i is hatch_angles[i modulo their number], plus i * hatch_angle_step; counter-clockwise from +kappa.
+    inset : float, optional
+        Distance of the outermost bead centres from the outline; half a bead width if not given.
+    cut_at : CutAt
+        Cut at the layer's lower radius R_i, or at mid-thickness.
+
+    Raises
+    ------
+    InputError
+        If a value is missing, not finite or out of its range; the message names it.
+    """
+
+    layer_thickness: float | tuple[float, ...]
+    step_over: float
+    radii: tuple[float, ...] | None = None
+    bead_width: float | None = None
+    inset: float | None = None
+    contours: int = 0
+    hatch: bool = True
+    hatch_angles: tuple[float, ...] = (0.0,)
+    hatch_angle_step: float = 0.0
+    both_ways: bool = True
+    shortest_bead: float | None = None
+    deposition_speed_mm_s: float | None = None
+    travel_speed_mm_s: float | None = None
+    clearance: float | None = None
+    hop_length: float | None = None
+    chord: float | None = None
+    powder_feed_g_s: float | None = None
+    powder_density_g_cm3: float | None = None
+    laser_power_w: float | None = None
+    last_layer: LastLayer = LastLayer.KEEP
+    cut_at: CutAt = CutAt.BOTTOM
+
+    def __post_init__(self) -> None:
+        thickness = self.layer_thickness
+        if isinstance(thickness, Sequence):
+            object.__setattr__(self, "layer_thickness", tuple(_positive("layer_thickness", t) for t in thickness))
+            if not thickness:
+                raise InputError("layer_thickness is an empty list; give one thickness, or one for each layer")
+        else:
+            object.__setattr__(self, "layer_thickness", _positive("layer_thickness", thickness))
+        object.__setattr__(self, "step_over", _positive("step_over", self.step_over))
+        for name in POSITIVE_OPTIONS:
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, _positive(name, value))
+        for name in ("inset", "shortest_bead", "hop_length"):
+            value = getattr(self, name)
+            if value is not None and not (_finite(name, value) >= 0.0):
+                raise InputError(f"{name} is {value:g} mm; it must be zero or more")
+        if self.contours < 0:
+            raise InputError(f"contours is {self.contours}; it must be zero or more")
+        if self.contours == 0 and not self.hatch:
+            raise InputError("neither contours nor hatch is asked for; nothing would be deposited")
+        if self.radii is not None:
+            object.__setattr__(self, "radii", check_radii(self.radii))
+        angles = tuple(_finite("hatch_angles", a) for a in self.hatch_angles)
+        if not angles:
+            raise InputError("hatch_angles is an empty list; give one angle at least")
+        object.__setattr__(self, "hatch_angles", angles)
+
+    @property
+    def width(self) -> float:
+        """Bead width w in mm, given or assumed."""
+        return WIDTH_PER_STEP_OVER * self.step_over if self.bead_width is None else self.bead_width
+
+    def value(self, name: str) -> Any:
+        """A parameter as it is used: given, or its default (see `assumed`)."""
+        given = getattr(self, name)
+        return self.defaults()[name] if given is None and name in self.defaults() else given
+
+    def defaults(self) -> dict[str, Any]:
+        """What is assumed where nothing is given."""
+        first = self.layer_thickness[0] if isinstance(self.layer_thickness, tuple) else self.layer_thickness
+        return {
+            "bead_width": WIDTH_PER_STEP_OVER * self.step_over,
+            "inset": 0.5 * self.width,
+            "shortest_bead": 0.0,
+            "deposition_speed_mm_s": DEPOSITION_SPEED_MM_S,
+            "travel_speed_mm_s": 50.0,
+            "clearance": max(5.0, 2.0 * first),
+            "hop_length": 3.0 * self.step_over,
+            "chord": 0.01,
+        }
+
+    def assumed(self) -> dict[str, Any]:
+        """The defaults in force, by name: reports name them as assumed."""
+        return {name: value for name, value in self.defaults().items() if getattr(self, name) is None}
+
+    def hatch_angle(self, layer: int) -> float:
+        """Angle asked for layer `layer`, rad."""
+        return self.hatch_angles[layer % len(self.hatch_angles)] + layer * self.hatch_angle_step
+
+    def thickness(self, layer: int) -> float:
+        """Thickness asked for layer `layer`, mm; the last of a list holds on."""
+        t = self.layer_thickness
+        return t[min(layer, len(t) - 1)] if isinstance(t, tuple) else t
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values as used, for echoing in outputs; angles in degrees, named so."""
+        out: dict[str, Any] = {}
+        for f in fields(self):
+            value = self.value(f.name)
+            if f.name == "hatch_angles":
+                out["hatch_angles_deg"] = [math.degrees(a) for a in value]
+            elif f.name == "hatch_angle_step":
+                out["hatch_angle_step_deg"] = math.degrees(value)
+            else:
+                out[f.name] = (
+                    value.value if isinstance(value, enum.Enum) else list(value) if isinstance(value, tuple) else value
+                )
+        return out
+
+    def updated(self, **changes: Any) -> Process:
+        """A copy with some parameters changed."""
+        return replace(self, **changes)
+
+
+POSITIVE_OPTIONS = (
+    "bead_width",
+    "deposition_speed_mm_s",
+    "travel_speed_mm_s",
+    "clearance",
+    "chord",
+    "powder_feed_g_s",
+    "powder_density_g_cm3",
+    "laser_power_w",
+)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, enum.Enum):
+        return value.value
+    return list(value) if isinstance(value, tuple) else value
+
+
+def check_radii(radii: Sequence[float]) -> tuple[float, ...]:
+    """Increasing positive radii, or an InputError that says which one is not."""
+    values = tuple(_positive("radius", r) for r in radii)
+    if not values:
+        raise InputError("the list of radii is empty; give one radius at least")
+    for before, after in itertools.pairwise(values):
+        if after <= before:
+            raise InputError(f"radius {after:g} mm follows {before:g} mm; the radii must increase")
+    return values
+
+
+def read_process(path: str | Path, **overrides: Any) -> Process:
+    """A Process from a TOML file whose keys are the parameters' names (angles as hatch_angles_deg, hatch_angle_step_deg).
+
+    Raises
+    ------
+    InputError
+        If the file is missing, is no TOML, or holds a key or a value that cannot be used.
+    """
+    return process_from_values(read_process_values(path), source=str(path), **overrides)
+
+
+def read_process_values(path: str | Path) -> dict[str, Any]:
+    """The plain values of a process file, not yet checked against each other."""
+    try:
+        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such file; give a TOML file with process parameters") from None
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise InputError(f"{path}: not a readable TOML file ({error}); write one `name = value` a line") from None
+
+
+def process_from_values(values: Mapping[str, Any], *, source: str = "process", **overrides: Any) -> Process:
+    """A Process from plain values as they stand in TOML (strings for enums, degrees for angles)."""
+    known = {f.name for f in fields(Process)}
+    out: dict[str, Any] = {}
+    for key, value in values.items():
+        name = key.removesuffix("_deg") if key in ("hatch_angles_deg", "hatch_angle_step_deg") else key
+        if name not in known or (name != key) != (name in ("hatch_angles", "hatch_angle_step")):
+            raise InputError(f"{source}: {key} is no process parameter; known are {', '.join(sorted(_toml_names()))}")
+        out[name] = _from_plain(name, value, source)
+    out.update({name: value for name, value in overrides.items() if value is not None})
+    missing = [n for n in ("layer_thickness", "step_over") if n not in out]
+    if missing:
+        raise InputError(f"{source}: {' and '.join(missing)} not given; both are required (-t and -d at the command)")
+    return Process(**out)
+
+
+def _toml_names() -> list[str]:
+    names = [f.name for f in fields(Process)]
+    return [n + "_deg" if n in ("hatch_angles", "hatch_angle_step") else n for n in names]
+
+
+def _from_plain(name: str, value: Any, source: str) -> Any:
+    enums: dict[str, type[enum.Enum]] = {"last_layer": LastLayer, "cut_at": CutAt}
+    if name in enums:
+        try:
+            return enums[name](value)
+        except ValueError:
+            known = ", ".join(e.value for e in enums[name])
+            raise InputError(f"{source}: {name} is {value!r}; it must be one of {known}") from None
+    if name == "hatch_angles":
+        listed = value if isinstance(value, list) else [value]
+        return tuple(math.radians(_finite(name, a)) for a in listed)
+    if name == "hatch_angle_step":
+        return math.radians(_finite(name, value))
+    if name in ("both_ways", "hatch"):
+        if not isinstance(value, bool):
+            raise InputError(f"{source}: {name} is {value!r}; it must be true or false")
+        return value
+    if name == "contours":
+        if not isinstance(value, int) or isinstance(value, bool):
+            raise InputError(f"{source}: contours is {value!r}; it must be a whole number")
+        return value
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _finite(name: str, value: Any) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} is {value!r}; it must be a number") from None
+    if isinstance(value, bool) or not math.isfinite(number):
+        raise InputError(f"{name} is {value}; it must be a finite number")
+    return number
+
+
+def _positive(name: str, value: Any) -> float:
+    number = _finite(name, value)
+    if not number > 0.0:
+        raise InputError(f"{name} is {number:g}; it must be greater than zero")
+    return number

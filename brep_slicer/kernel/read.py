@@ -1,0 +1,208 @@
+"""STEP files in, named solids in millimetres out, with locations baked into the geometry.
+
+In: a path. Out: (name, solid) pairs in the file's own frame, and the unit that the file states.
+
+Words: *unit*, the length unit of the header; *label*, an entry of OCCT's document tree, which carries a part's name.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+from OCP.IFSelect import IFSelect_RetDone
+from OCP.STEPCAFControl import STEPCAFControl_Reader
+from OCP.TCollection import TCollection_ExtendedString
+from OCP.TDataStd import TDataStd_Name
+from OCP.TDF import TDF_Label
+from OCP.TDocStd import TDocStd_Document
+from OCP.TopAbs import TopAbs_FACE, TopAbs_SOLID
+from OCP.TopLoc import TopLoc_Location
+from OCP.XCAFDoc import XCAFDoc_DocumentTool, XCAFDoc_ShapeTool
+
+from brep_slicer.errors import InputError
+
+from .compat import as_solid, label_sequence, sub_shapes
+from .shapes import baked, scaled
+from .silence import silenced
+
+MM_PER_UNIT = {
+    "mm": 1.0,
+    "millimetre": 1.0,
+    "cm": 10.0,
+    "dm": 100.0,
+    "m": 1000.0,
+    "metre": 1000.0,
+    "km": 1e6,
+    "um": 1e-3,
+    "nm": 1e-6,
+    "in": 25.4,
+    "inch": 25.4,
+    "ft": 304.8,
+    "mil": 0.0254,
+}
+_PREFIXES = {"MILLI": "mm", "CENTI": "cm", "DECI": "dm", "KILO": "km", "MICRO": "um", "NANO": "nm"}
+
+
+def solids_from_step(path: str | Path, *, unit: str | None = None) -> tuple[list[tuple[str, Any]], str]:
+    """Read every solid of a STEP file, in millimetres.
+
+    Parameters
+    ----------
+    path : path
+        A STEP file (AP203, AP214 or AP242).
+    unit : str, optional
+        Length unit to take instead of the header's ("mm", "cm", "m", "inch", ...).
+
+    Returns
+    -------
+    solids : list of (name, TopoDS_Solid)
+    unit : str
+        The unit used.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, empty, truncated or no STEP, states no unit, or holds no solid.
+    """
+    text = _checked_text(Path(path))
+    stated = _stated_unit(text)
+    if unit is not None and unit.lower() not in MM_PER_UNIT:
+        raise InputError(f"{path}: unit {unit!r} is not known; give one of {', '.join(MM_PER_UNIT)}")
+    if stated is None and unit is None:
+        raise InputError(f"{path}: the file states no length unit; say which it is with --unit (mm, cm, m, inch)")
+    with silenced():
+        solids = _named_solids(_read_document(Path(path)))
+    if not solids:
+        raise InputError(f"{path}: {_what_instead(text)}; export a solid (closed B-Rep) as STEP")
+    # OCCT converts to mm by the stated unit, and takes mm where none is stated
+    factor = 1.0 if unit is None else MM_PER_UNIT[unit.lower()] / (MM_PER_UNIT[stated] if stated else 1.0)
+    if factor != 1.0:
+        solids = [(name, as_solid(scaled(solid, factor))) for name, solid in solids]
+    return solids, (unit or stated or "mm").lower()
+
+
+def _checked_text(path: Path) -> str:
+    if not path.exists():
+        raise InputError(f"{path}: there is no such file; check the path")
+    if path.is_dir():
+        raise InputError(f"{path}: this is a folder; give a STEP file")
+    try:
+        text = path.read_text(encoding="latin-1")
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check its permissions") from None
+    if not text.strip():
+        raise InputError(f"{path}: the file is empty; export it again")
+    if "ISO-10303-21" not in text[:2000]:
+        raise InputError(f"{path}: this is no STEP file (it does not start with ISO-10303-21); export the part as STEP")
+    if "END-ISO-10303-21" not in text[-2000:]:
+        raise InputError(f"{path}: the file is cut off (END-ISO-10303-21 is missing); export or copy it again")
+    return text
+
+
+def _stated_unit(text: str) -> str | None:
+    """The header's first length unit, by name; None where no length unit is stated."""
+    entities = re.findall(r"=\s*(\([^;]*?LENGTH_UNIT\s*\([^;]*);", text, flags=re.S)
+    units = []
+    for entity in entities:
+        converted = re.search(r"CONVERSION_BASED_UNIT\s*\(\s*'([^']*)'", entity)
+        si = re.search(r"SI_UNIT\s*\(\s*(?:\.(\w+)\.|\$)\s*,\s*\.METRE\.\s*\)", entity)
+        if converted:
+            name = converted.group(1).strip().lower()
+            units.insert(0, {"inch": "inch", "inches": "inch", "foot": "ft", "feet": "ft"}.get(name, name))
+        elif si:
+            units.append(_PREFIXES.get(si.group(1) or "", "m"))
+    # a conversion based unit refers to a metric one: the converted one comes first
+    known = [u for u in units if u in MM_PER_UNIT]
+    if any(u == "inch" or u == "ft" for u in known):
+        return known[0]
+    used = _units_in_contexts(text)
+    return used or (known[0] if known else None)
+
+
+def _units_in_contexts(text: str) -> str | None:
+    """The length unit that the representation contexts refer to (files may define others that nothing uses)."""
+    context = re.search(r"GLOBAL_UNIT_ASSIGNED_CONTEXT\s*\(\s*\(([^)]*)\)", text)
+    if not context:
+        return None
+    for reference in re.findall(r"#(\d+)", context.group(1)):
+        entity = re.search(rf"#{reference}\s*=\s*(\([^;]*);", text, flags=re.S)
+        si = entity and re.search(r"SI_UNIT\s*\(\s*(?:\.(\w+)\.|\$)\s*,\s*\.METRE\.\s*\)", entity.group(1))
+        if si:
+            return _PREFIXES.get(si.group(1) or "", "m")
+    return None
+
+
+def _read_document(path: Path) -> Any:
+    document = TDocStd_Document(TCollection_ExtendedString("XmlXCAF"))
+    XCAFDoc_DocumentTool.SetLengthUnit_s(document, 0.001)
+    reader = STEPCAFControl_Reader()
+    reader.SetNameMode(True)
+    reader.SetColorMode(False)
+    try:
+        done = reader.ReadFile(str(path)) == IFSelect_RetDone and reader.Transfer(document)
+    except Exception as error:  # OCCT raises its own classes for broken entities
+        raise InputError(f"{path}: the CAD kernel cannot read it ({error}); export it again") from None
+    if not done:
+        raise InputError(f"{path}: the CAD kernel finds nothing to read in it; export the part again as STEP")
+    return document
+
+
+def _named_solids(document: Any) -> list[tuple[str, Any]]:
+    tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+    roots = label_sequence()
+    tool.GetFreeShapes(roots)
+    found: list[tuple[str, Any]] = []
+    for i in range(1, roots.Length() + 1):
+        _collect(roots.Value(i), TopLoc_Location(), found)
+    return _unique_names(found)
+
+
+def _collect(label: Any, location: Any, found: list[tuple[str, Any]], name: str = "") -> None:
+    """Walk the assembly tree; a component's location is multiplied on, its own name beats its part's."""
+    own = _name_of(label) or name
+    here = location.Multiplied(XCAFDoc_ShapeTool.GetLocation_s(label))
+    target = TDF_Label()
+    if XCAFDoc_ShapeTool.GetReferredShape_s(label, target):
+        _collect(target, here, found, own if not _name_of(target) else _name_of(target))
+        return
+    if XCAFDoc_ShapeTool.IsAssembly_s(label):
+        children = label_sequence()
+        XCAFDoc_ShapeTool.GetComponents_s(label, children)
+        for i in range(1, children.Length() + 1):
+            _collect(children.Value(i), here, found, own)
+        return
+    shape = XCAFDoc_ShapeTool.GetShape_s(label)
+    if shape.IsNull():
+        return
+    for solid in sub_shapes(shape, TopAbs_SOLID):
+        if sub_shapes(solid, TopAbs_FACE):
+            found.append((own or "solid", baked(as_solid(solid), location)))
+
+
+def _name_of(label: Any) -> str:
+    attribute = TDataStd_Name()
+    if label.FindAttribute(TDataStd_Name.GetID_s(), attribute):
+        return str(attribute.Get().ToExtString()).strip()
+    return ""
+
+
+def _unique_names(found: list[tuple[str, Any]]) -> list[tuple[str, Any]]:
+    total: dict[str, int] = {}
+    for name, _ in found:
+        total[name] = total.get(name, 0) + 1
+    seen: dict[str, int] = {}
+    out = []
+    for name, solid in found:
+        seen[name] = seen.get(name, 0) + 1
+        out.append((f"{name}#{seen[name]}" if total[name] > 1 else name, solid))
+    return out
+
+
+def _what_instead(text: str) -> str:
+    if re.search(r"TESSELLATED|TRIANGULATED", text):
+        return "the file holds a mesh and no solid"
+    if re.search(r"OPEN_SHELL|SHELL_BASED_SURFACE_MODEL|ADVANCED_FACE", text):
+        return "the file holds surfaces and no solid"
+    return "there is no solid in the file"

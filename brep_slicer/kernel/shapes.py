@@ -1,0 +1,123 @@
+"""Solids moved, scaled, checked, measured and packed: small services on OCCT shapes.
+
+In: TopoDS shapes. Out: new shapes (the given ones are never changed), numbers, bytes.
+"""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import numpy as np
+from OCP.BinTools import BinTools
+from OCP.BRep import BRep_Builder
+from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
+from OCP.BRepCheck import BRepCheck_Analyzer
+from OCP.BRepGProp import BRepGProp
+from OCP.gp import gp_Pnt, gp_Trsf
+from OCP.GProp import GProp_GProps
+from OCP.ShapeFix import ShapeFix_Shape
+from OCP.TopAbs import TopAbs_SOLID
+from OCP.TopLoc import TopLoc_Location
+from OCP.TopoDS import TopoDS_Compound, TopoDS_Shape
+
+from brep_slicer.errors import InputError
+
+from .compat import as_solid, sub_shapes
+from .silence import silenced
+
+
+def transformed(shape: Any, matrix: np.ndarray) -> Any:
+    """A copy moved by a rigid (4, 4) `matrix`, its geometry rewritten (no location is left on it)."""
+    trsf = gp_Trsf()
+    trsf.SetValues(*(float(x) for x in np.asarray(matrix)[:3].ravel()))
+    return BRepBuilderAPI_Transform(shape, trsf, True).Shape()
+
+
+def scaled(shape: Any, factor: float) -> Any:
+    """A copy scaled about the file's origin."""
+    trsf = gp_Trsf()
+    trsf.SetScale(gp_Pnt(0.0, 0.0, 0.0), factor)
+    return BRepBuilderAPI_Transform(shape, trsf, True).Shape()
+
+
+def baked(solid: Any, location: Any) -> Any:
+    """The solid moved by an assembly's `location`, which is written into its geometry together with its own."""
+    total = location.Multiplied(solid.Location())
+    bare = solid.Located(TopLoc_Location())
+    if total.IsIdentity():
+        return as_solid(bare)
+    return as_solid(BRepBuilderAPI_Transform(bare, total.Transformation(), True).Shape())
+
+
+def checked_solid(solid: Any, name: str) -> tuple[Any, tuple[str, ...]]:
+    """A valid solid of positive volume, and notes on what had to be done for that.
+
+    Raises
+    ------
+    InputError
+        If the solid is invalid and stays so after healing; the message names it.
+    """
+    notes: list[str] = []
+    if not BRepCheck_Analyzer(solid).IsValid():
+        fix = ShapeFix_Shape(solid)
+        with silenced():
+            fix.Perform()
+        healed = sub_shapes(fix.Shape(), TopAbs_SOLID)
+        if len(healed) != 1 or not BRepCheck_Analyzer(healed[0]).IsValid():
+            raise InputError(f"solid {name!r} is invalid and cannot be healed; repair it in the CAD system")
+        solid = as_solid(healed[0])
+        notes.append(f"solid {name!r} was invalid as read and has been healed")
+    properties = GProp_GProps()
+    BRepGProp.VolumeProperties_s(solid, properties)
+    if properties.Mass() < 0.0:
+        solid = as_solid(solid.Reversed())
+        notes.append(f"solid {name!r} was inside out and has been turned")
+    return solid, tuple(notes)
+
+
+def compound(shapes: Any) -> Any:
+    """One compound of several shapes."""
+    builder = BRep_Builder()
+    out = TopoDS_Compound()
+    builder.MakeCompound(out)
+    for shape in shapes:
+        builder.Add(out, shape)
+    return out
+
+
+def volume_of(solid: Any) -> float:
+    """Volume in mm**3 by OCCT's adaptive quadrature, asked for 1e-9 on each face."""
+    properties = GProp_GProps()
+    BRepGProp.VolumeProperties_s(solid, properties, 1e-9)
+    return float(properties.Mass())
+
+
+def bytes_from_shape(shape: Any) -> bytes:
+    """OCCT's binary form of a shape, for worker processes."""
+    stream = io.BytesIO()
+    BinTools.Write_s(shape, stream)
+    return stream.getvalue()
+
+
+def shape_from_bytes(data: bytes) -> Any:
+    """The shape of `bytes_from_shape`, or of BREP text (DBRep_DrawableShape).
+
+    Raises
+    ------
+    InputError
+        If the bytes are neither.
+    """
+    from OCP.BRepTools import BRepTools
+
+    shape = TopoDS_Shape()
+    try:
+        if not data.lstrip().startswith(b"Open CASCADE"):
+            BRepTools.Read_s(shape, io.BytesIO(data), BRep_Builder())
+        else:
+            BinTools.Read_s(shape, io.BytesIO(data))
+    except Exception:
+        shape = TopoDS_Shape()
+    if shape.IsNull():
+        raise InputError("these bytes are no BREP shape; write them with BinTools or BRepTools")
+    return shape

@@ -1,0 +1,122 @@
+"""What is to be planned: one solid or several, in millimetres, in the file's own frame.
+
+In: a STEP file or a host object. Out: a frozen Part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from brep_slicer.errors import InputError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Solid:
+    """One solid: its index in the file, its name, the OCP solid (mm, location baked into the geometry)."""
+
+    index: int
+    name: str
+    wrapped: Any
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Part:
+    """The solids to plan, where they came from, the unit they were in, and what was done to them on the way."""
+
+    solids: tuple[Solid, ...]
+    source: str
+    unit: str
+    notes: tuple[str, ...] = ()
+
+    @property
+    def wrapped(self) -> Any:
+        """The OCP shape: the solid itself, or a compound of several."""
+        if len(self.solids) == 1:
+            return self.solids[0].wrapped
+        from brep_slicer.kernel.shapes import compound
+
+        return compound(solid.wrapped for solid in self.solids)
+
+    def select(self, solids: Sequence[str | int]) -> Part:
+        """The part with only some of its solids, by name or by index.
+
+        Raises
+        ------
+        InputError
+            If there is no such solid; the message lists those there are.
+        """
+        chosen = []
+        for key in solids:
+            found = [s for s in self.solids if s.name == key or str(s.index) == str(key)]
+            if not found:
+                known = ", ".join(f"{s.index}: {s.name}" for s in self.solids)
+                raise InputError(f"{self.source}: there is no solid {key!r}; choose by name or index from {known}")
+            chosen.append(found[0])
+        return replace(self, solids=tuple(chosen))
+
+
+def read_step(path: str | Path, *, unit: str | None = None, solids: Sequence[str | int] | None = None) -> Part:
+    """Read a STEP file: units to mm, assemblies with their locations baked, every solid checked.
+
+    Parameters
+    ----------
+    path : path
+        A STEP file.
+    unit : str, optional
+        Length unit to take instead of the header's: mm, cm, m, inch, ...
+    solids : sequence of str or int, optional
+        Names or indices of the solids to keep; all by default.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be used: one line that names it, what is wrong and what to do.
+    """
+    from brep_slicer.kernel.read import solids_from_step
+
+    pairs, used = solids_from_step(path, unit=unit)
+    return _checked_part(pairs, source=str(path), unit=used, solids=solids)
+
+
+def as_part(shape: Any, *, solids: Sequence[str | int] | None = None) -> Part:
+    """Take a host object as a part, in millimetres; a Part is returned as it is.
+
+    Parameters
+    ----------
+    shape
+        build123d object or builder, CadQuery Workplane, Shape or Assembly, OCP TopoDS shape, or BREP bytes.
+
+    Raises
+    ------
+    InputError
+        If it is none of these, or holds no solid, or an invalid one.
+    """
+    if isinstance(shape, Part):
+        return shape if solids is None else shape.select(solids)
+    from brep_slicer.kernel.coerce import solids_from_object
+
+    return _checked_part(solids_from_object(shape), source=type(shape).__name__, unit="mm", solids=solids)
+
+
+def _checked_part(pairs: list[tuple[str, Any]], *, source: str, unit: str, solids) -> Part:
+    from brep_slicer.kernel.shapes import checked_solid
+
+    part = Part(
+        solids=tuple(Solid(index=i, name=name, wrapped=solid) for i, (name, solid) in enumerate(pairs)),
+        source=source,
+        unit=unit,
+    )
+    if solids is not None:
+        part = part.select(solids)
+    good, notes = [], []
+    for solid in part.solids:
+        try:
+            wrapped, said = checked_solid(solid.wrapped, solid.name)
+        except InputError as error:
+            raise InputError(f"{source}: {error}") from None
+        good.append(replace(solid, wrapped=wrapped))
+        notes.extend(said)
+    return replace(part, solids=tuple(good), notes=tuple(notes))

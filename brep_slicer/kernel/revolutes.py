@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 from OCP.BRepAdaptor import BRepAdaptor_Surface
+from OCP.BRepClass import BRepClass_FaceClassifier
 from OCP.BRepGProp import BRepGProp
-from OCP.BRepTopAdaptor import BRepTopAdaptor_FClass2d
 from OCP.GeomAbs import (
     GeomAbs_Cone,
     GeomAbs_Cylinder,
@@ -43,7 +43,8 @@ class AxisVote:
     """One face's say: `point` and `direction` (3,) in mm, its `area` (mm**2), what it `is`.
 
     `radius` is that of a cylinder (mm), else None; `outward` tells a boss (+1) from a bore (-1); `direction` is None for a
-    sphere, which votes for a centre only. `turn` is the angle (rad) that a cylinder's face covers.
+    sphere, which votes for a centre only. `turn` is the angle (rad) that a cylinder's face covers. `exact` votes come from a
+    surface that the file stores as turned; the others are fitted.
     """
 
     face: int
@@ -54,6 +55,7 @@ class AxisVote:
     radius: float | None = None
     outward: int = 0
     turn: float = 0.0
+    exact: bool = False
 
 
 def axis_votes(solid: Any) -> list[AxisVote]:
@@ -98,20 +100,20 @@ def _vote(index: int, kind: str, axis: Any, area: float, **more: Any) -> AxisVot
 def _elementary(index: int, surface: Any, area: float, face: Any) -> AxisVote | None:
     kind = surface.GetType()
     if kind == GeomAbs_Cylinder:
-        return _cylinder_vote(index, surface.Cylinder(), area, surface, face)
+        return _cylinder_vote(index, surface.Cylinder(), area, surface, face, exact=True)
     if kind == GeomAbs_Cone:
-        return _vote(index, "cone", surface.Cone().Axis(), area)
+        return _vote(index, "cone", surface.Cone().Axis(), area, exact=True)
     if kind == GeomAbs_Torus:
-        return _vote(index, "torus", surface.Torus().Axis(), area)
+        return _vote(index, "torus", surface.Torus().Axis(), area, exact=True)
     if kind == GeomAbs_Sphere:
         centre = _xyz(surface.Sphere().Location())
         return AxisVote(face=index, point=centre, direction=None, area=area, kind="sphere")
     if kind == GeomAbs_SurfaceOfRevolution:
-        return _vote(index, "revolution", surface.AxeOfRevolution(), area)
+        return _vote(index, "revolution", surface.AxeOfRevolution(), area, exact=True)
     return None
 
 
-def _cylinder_vote(index: int, cylinder: Any, area: float, surface: Any, face: Any) -> AxisVote:
+def _cylinder_vote(index: int, cylinder: Any, area: float, surface: Any, face: Any, *, exact: bool = False) -> AxisVote:
     axis = cylinder.Axis()
     points, normals = _sampled(surface, face)
     arm = points - _xyz(axis.Location())
@@ -119,7 +121,7 @@ def _cylinder_vote(index: int, cylinder: Any, area: float, surface: Any, face: A
     across = arm - np.outer(arm @ direction, direction)
     outward = int(np.sign((across * normals).sum()))
     turn = _covered_turn(across, direction)
-    return _vote(index, "cylinder", axis, area, radius=float(cylinder.Radius()), outward=outward, turn=turn)
+    return _vote(index, "cylinder", axis, area, radius=float(cylinder.Radius()), outward=outward, turn=turn, exact=exact)
 
 
 def _covered_turn(across: np.ndarray, direction: np.ndarray) -> float:
@@ -151,7 +153,7 @@ def _recognised(index: int, surface: Any, area: float, face: Any) -> AxisVote | 
 def _sampled(surface: Any, face: Any, count: int = 12) -> tuple[np.ndarray, np.ndarray]:
     """Points on the face (inside of its trimming where any are) and outward normals, each (n, 3)."""
     bounds = (surface.FirstUParameter(), surface.LastUParameter(), surface.FirstVParameter(), surface.LastVParameter())
-    inside = BRepTopAdaptor_FClass2d(face, 1e-9)
+    inside = BRepClass_FaceClassifier()
     sign = -1.0 if face.Orientation() == TopAbs_REVERSED else 1.0
     steps = (np.arange(count) + 0.5) / count
     points, normals, held = [], [], []
@@ -164,7 +166,8 @@ def _sampled(surface: Any, face: Any, count: int = 12) -> tuple[np.ndarray, np.n
             if size > 0.0:
                 points.append(_xyz(point))
                 normals.append(sign * normal / size)
-                held.append(inside.Perform(gp_Pnt2d(float(u), float(v))) in (TopAbs_IN, TopAbs_ON))
+                inside.Perform(face, gp_Pnt2d(float(u), float(v)), 1e-9)
+                held.append(inside.State() in (TopAbs_IN, TopAbs_ON))
     chosen = np.array(held) if any(held) else np.ones(len(points), dtype=bool)
     return np.array(points)[chosen], np.array(normals)[chosen]
 

@@ -9,7 +9,7 @@ that stands for a line.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -160,11 +160,26 @@ def axis_candidates(part: Part) -> list[AxisCandidate]:
     centres = [v for v in votes if v.direction is None]
     out = []
     for group in groups:
-        first = group[0]
+        first = _representative(group, SAME_PLACE * reach)
         area = sum(v.area for v in group)
         area += sum(v.area for v in centres if _distance(first, v.point) <= SAME_PLACE * reach)
         out.append(AxisCandidate(axis=axis_from_line(first.point, first.direction), area=area, share=area / total))
     return sorted(out, key=lambda c: -c.area)
+
+
+def _representative(group: list, reach: float):
+    """The vote that stands for a line: the largest stored as a turned surface; else the largest fitted one.
+
+    A fitted line that is one of the file's main axes within the fit's own error is taken for that axis.
+    """
+    exact = [v for v in group if v.exact]
+    if exact:
+        return exact[0]
+    for direction in np.eye(3):
+        main = replace(group[0], point=np.zeros(3), direction=direction)
+        if _same_line(main, group[0], reach):
+            return main
+    return group[0]
 
 
 def _same_line(a, b, reach: float) -> bool:

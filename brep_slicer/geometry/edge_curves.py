@@ -1,0 +1,100 @@
+"""Curves of edges, in space (d = 3) or in a face's parameters (d = 2), evaluated over whole arrays.
+
+In: what the kernel stores. Out: points (n, d) and derivatives with respect to the edge's own parameter.
+"""
+
+from __future__ import annotations
+
+import abc
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from brep_slicer.maps import Array
+
+from .polynomials import breaks_between, local_coefficients, powers, projected, spans_of, wrapped
+
+
+class EdgeCurve(abc.ABC):
+    """A curve with its own parameter t."""
+
+    __slots__ = ()
+
+    @abc.abstractmethod
+    def derivatives(self, t: Array, order: int) -> list[Array]:
+        """[P, P', ..., up to `order` <= 2] at t, each (n, d)."""
+
+    def points(self, t: Array) -> Array:
+        """Points (n, d) at t (n,)."""
+        return self.derivatives(np.asarray(t, dtype=np.float64), 0)[0]
+
+    @abc.abstractmethod
+    def breaks(self, first: float, last: float) -> Array:
+        """Parameters from first to last between which the curve is smooth and turns by no more than a quarter."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LineEdge(EdgeCurve):
+    """origin + t * direction, each (d,)."""
+
+    origin: Array
+    direction: Array
+
+    def derivatives(self, t: Array, order: int) -> list[Array]:
+        flat = np.zeros((len(t), len(self.origin)))
+        out = [self.origin + np.asarray(t)[:, None] * self.direction, flat + self.direction, flat]
+        return out[: order + 1]
+
+    def breaks(self, first: float, last: float) -> Array:
+        return np.array([first, last])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ConicEdge(EdgeCurve):
+    """Circles and ellipses: centre + x cos t + y sin t, with the radii multiplied into x and y, each (d,)."""
+
+    centre: Array
+    x: Array
+    y: Array
+
+    def derivatives(self, t: Array, order: int) -> list[Array]:
+        cos, sin = np.cos(t)[:, None], np.sin(t)[:, None]
+        turned = cos * self.x + sin * self.y
+        return [self.centre + turned, cos * self.y - sin * self.x, -turned][: order + 1]
+
+    def breaks(self, first: float, last: float) -> Array:
+        return np.linspace(first, last, max(1, int(np.ceil((last - first) / (0.5 * np.pi) - 1e-9))) + 1)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BSplineEdge(EdgeCurve):
+    """A B-spline: full clamped `knots`, `poles` (n, d), `weights` (n,) or None; `period` 0 unless it goes on periodically."""
+
+    degree: int
+    knots: Array
+    poles: Array
+    weights: Array | None
+    period: float = 0.0
+    _breaks: Array = field(init=False)
+    _coefficients: Array = field(init=False)
+
+    def __post_init__(self) -> None:
+        poles = self.poles
+        if self.weights is not None:
+            poles = np.concatenate([poles * self.weights[:, None], self.weights[:, None]], axis=1)
+        breaks, coefficients = local_coefficients(self.knots, poles, self.degree)
+        object.__setattr__(self, "_breaks", breaks)
+        object.__setattr__(self, "_coefficients", coefficients)
+
+    def derivatives(self, t: Array, order: int) -> list[Array]:
+        t = wrapped(np.asarray(t, dtype=np.float64), self._breaks, self.period)
+        span, x, width = spans_of(self._breaks, t)
+        local = self._coefficients[span]
+        values = []
+        for k in range(order + 1):
+            value = np.einsum("ni,nid->nd", powers(x, self.degree, k), local)
+            values.append(value / (width**k)[:, None])
+        return projected(values) if self.weights is not None else values
+
+    def breaks(self, first: float, last: float) -> Array:
+        return breaks_between(self._breaks, self.period, first, last)

@@ -34,11 +34,15 @@ class Loop:
 
     def signed_area(self) -> float:
         """Area to the left of the loop above v = 0, -integral of v dkappa, in mm**2 (Green)."""
-        return -sum(curve.moment(1) for curve in self.curves)
+        return -self.moment(1)
 
     def moment(self, power: int) -> float:
-        """Sum of the curves' integrals of v**power dkappa, in mm**(power + 1)."""
-        return sum(curve.moment(power) for curve in self.curves)
+        """Integral of v**power dkappa once round, in mm**(power + 1); jogs are closed by straight segments."""
+        ends, starts = self._joints()
+        bridges = (starts[:, 0] - ends[:, 0]) * sum(
+            ends[:, 1] ** i * starts[:, 1] ** (power - i) for i in range(power + 1)
+        ) / (power + 1)
+        return sum(curve.moment(power) for curve in self.curves) + float(np.sum(bridges))
 
     def length(self) -> float:
         """Length in mm."""
@@ -46,11 +50,16 @@ class Loop:
 
     def jog(self) -> float:
         """Largest gap between one curve's end and the next one's start, in mm."""
+        ends, starts = self._joints()
+        return float(np.hypot(*(starts - ends).T).max())
+
+    def _joints(self) -> tuple[Array, Array]:
+        """Each curve's end, and the start of the one that follows it, (n, 2)."""
         starts = np.array([curve.start for curve in self.curves])
         ends = np.array([curve.end for curve in self.curves])
         following = np.roll(starts, -1, axis=0)
         following[-1, 0] += self.winding * self.period
-        return float(np.hypot(*(following - ends).T).max())
+        return ends, following
 
     def bounds(self) -> tuple[float, float, float, float]:
         """(kappa_min, v_min, kappa_max, v_max) in mm."""

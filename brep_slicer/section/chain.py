@@ -1,0 +1,102 @@
+"""Curves with named ends, chained into closed loops by identity.
+
+In: unrolled curves on a cylinder, each from one numbered node to another, material on the left. Out: Loop values.
+
+Words: *node*, a numbered point where one curve ends and the next begins; *jog*, the gap in mm between the two there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from brep_slicer.curves import Curve
+from brep_slicer.errors import LayerError
+from brep_slicer.maps import TURN, Array
+from brep_slicer.region import Loop
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Arc:
+    """A curve from node `start` to node `end`; a closed curve without nodes has both at -1."""
+
+    curve: Curve
+    start: int
+    end: int
+
+
+def loops_from_arcs(radius: float, arcs: Sequence[Arc]) -> list[Loop]:
+    """Follow the arcs from node to node until each loop closes.
+
+    Where several arcs leave one node (the outline touches itself there) the sharpest left turn is taken, which keeps
+    the loops from crossing.
+
+    Raises
+    ------
+    LayerError
+        If a node has not as many arcs going out as coming in, or a loop does not come back to its start.
+    """
+    period = TURN * radius
+    loops = [_closed_loop([arc.curve], radius) for arc in arcs if arc.start < 0]
+    open_arcs = [arc for arc in arcs if arc.start >= 0]
+    leaving: dict[int, list[int]] = {}
+    for i, arc in enumerate(open_arcs):
+        leaving.setdefault(arc.start, []).append(i)
+    arriving: dict[int, int] = {}
+    for arc in open_arcs:
+        arriving[arc.end] = arriving.get(arc.end, 0) + 1
+    unpaired = [n for n in leaving.keys() | arriving.keys() if len(leaving.get(n, ())) != arriving.get(n, 0)]
+    if unpaired:
+        raise LayerError(f"the section at radius {radius:g} mm is open at {len(unpaired)} points")
+    used = [False] * len(open_arcs)
+    for first in range(len(open_arcs)):
+        if used[first]:
+            continue
+        chain: list[Curve] = []
+        i = first
+        while True:
+            used[i] = True
+            arc = open_arcs[i]
+            chain.append(_continued(arc.curve, chain[-1].end if chain else None, period))
+            choices = [j for j in leaving[arc.end] if not used[j] or j == first]
+            i = choices[0] if len(choices) == 1 else _leftmost(arc, choices, open_arcs)
+            if i == first:
+                break
+        loops.append(_closed_loop(chain, radius))
+    return loops
+
+
+def _continued(curve: Curve, end: Array | None, period: float) -> Curve:
+    """The lift of a curve that starts where the previous one ended."""
+    if end is None:
+        return curve
+    turns = round(float(end[0] - curve.start[0]) / period)
+    return curve.shifted(turns * period) if turns else curve
+
+
+def _leftmost(arc: Arc, choices: list[int], arcs: Sequence[Arc]) -> int:
+    along = _direction(arc.curve, 1.0)
+
+    def turn(j: int) -> float:
+        d = _direction(arcs[j].curve, 0.0)
+        return float(np.arctan2(along[0] * d[1] - along[1] * d[0], along @ d))
+
+    return max(choices, key=turn)
+
+
+def _direction(curve: Curve, s: float) -> Array:
+    d = curve.derivatives(np.array([s]))[0]
+    size = np.hypot(*d)
+    if size > 1e-12:
+        return d / size
+    inner = curve.points(np.array([abs(s - 1e-4)]))[0] - curve.points(np.array([s]))[0]
+    inner = inner if s < 0.5 else -inner
+    return inner / max(np.hypot(*inner), 1e-300)
+
+
+def _closed_loop(curves: list[Curve], radius: float) -> Loop:
+    period = TURN * radius
+    gap = float(curves[-1].end[0] - curves[0].start[0])
+    return Loop(curves=tuple(curves), radius=radius, winding=round(gap / period))

@@ -84,9 +84,7 @@ class SplineCurve(Curve):
         to_bernstein = np.linalg.inv(bernstein_basis(degree, np.linspace(0.0, 1.0, degree + 1)))
         coefficients = np.einsum("ij,mjk->mik", to_bernstein, nodes)
         coefficients[:, 0], coefficients[:, -1] = nodes[:, 0], nodes[:, -1]
-        return SplineCurve(
-            coefficients=coefficients, breaks=(breaks - s0) / (s1 - s0), residual=self.residual, face=self.face
-        )
+        return SplineCurve(coefficients=coefficients, breaks=(breaks - s0) / (s1 - s0), residual=self.residual, face=self.face)
 
     def shifted(self, dkappa: float) -> Self:
         return self._moved(self.coefficients + np.array([dkappa, 0.0]))

@@ -177,7 +177,9 @@ class BSplineSurface(Surface):
         return point, d_u, projected([s, s_v])[1]
 
     def breaks(self, box: Array) -> tuple[Array, Array]:
-        u, v = (breaks_between(b, p, box[0, i], box[1, i]) for i, (b, p) in enumerate(zip(self._breaks, self.period, strict=True)))
+        u, v = (
+            breaks_between(b, p, box[0, i], box[1, i]) for i, (b, p) in enumerate(zip(self._breaks, self.period, strict=True))
+        )
         return u, v
 
     def periods(self) -> tuple[float, float]:

@@ -36,7 +36,6 @@ from .compat import as_edge, as_face, indexed_map, shape_list
 from .silence import silenced
 
 
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class EdgeOnCylinder:
     """One use of an edge: `curve` from `first` to `last` (reversed unless `forward`), between two numbered vertices.

@@ -156,20 +156,21 @@ def _sampled(surface: Any, face: Any, count: int = 12) -> tuple[np.ndarray, np.n
     inside = BRepClass_FaceClassifier()
     sign = -1.0 if face.Orientation() == TopAbs_REVERSED else 1.0
     steps = (np.arange(count) + 0.5) / count
-    points, normals, held = [], [], []
+    points, along_u, along_v, held = [], [], [], []
     point, du, dv = gp_Pnt(), gp_Vec(), gp_Vec()
     for u in bounds[0] + steps * (bounds[1] - bounds[0]):
         for v in bounds[2] + steps * (bounds[3] - bounds[2]):
             surface.D1(float(u), float(v), point, du, dv)
-            normal = np.cross(_xyz(du), _xyz(dv))
-            size = float(np.linalg.norm(normal))
-            if size > 0.0:
-                points.append(_xyz(point))
-                normals.append(sign * normal / size)
-                inside.Perform(face, gp_Pnt2d(float(u), float(v)), 1e-9)
-                held.append(inside.State() in (TopAbs_IN, TopAbs_ON))
+            points.append((point.X(), point.Y(), point.Z()))
+            along_u.append((du.X(), du.Y(), du.Z()))
+            along_v.append((dv.X(), dv.Y(), dv.Z()))
+            inside.Perform(face, gp_Pnt2d(float(u), float(v)), 1e-9)
+            held.append(inside.State() in (TopAbs_IN, TopAbs_ON))
+    normals = np.cross(along_u, along_v)
+    size = np.linalg.norm(normals, axis=1)
     chosen = np.array(held) if any(held) else np.ones(len(points), dtype=bool)
-    return np.array(points)[chosen], np.array(normals)[chosen]
+    chosen &= size > 0.0
+    return np.array(points)[chosen], sign * normals[chosen] / size[chosen, None]
 
 
 def _screw(index: int, surface: Any, area: float, face: Any) -> AxisVote | None:

@@ -1,6 +1,23 @@
-"""The unrolled area of a layer in the plane (kappa, v), periodic in kappa; no CAD kernel from here on."""
+"""The unrolled area of a layer in the plane (kappa, v), periodic in kappa; no CAD kernel from here on.
 
-from .loops import Loop, Piece
+In: the loops of every solid's section. Out: regions (nested pieces with exact areas) and layers.
+"""
+
+from .layer import FailedLayer, Layer
+from .overlay import difference_of_regions, union_of_regions
+from .pieces import Piece
 from .region import Region, polygon_from_piece, region_from_loops
+from .slicing import slice_part, slice_solids
 
-__all__ = ["Loop", "Piece", "Region", "polygon_from_piece", "region_from_loops"]
+__all__ = [
+    "FailedLayer",
+    "Layer",
+    "Piece",
+    "Region",
+    "difference_of_regions",
+    "polygon_from_piece",
+    "region_from_loops",
+    "slice_part",
+    "slice_solids",
+    "union_of_regions",
+]

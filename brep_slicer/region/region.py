@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from brep_slicer.curves import Loop
 from brep_slicer.errors import LayerError
 from brep_slicer.maps import TURN
 
-from .loops import Loop, Piece
+from .pieces import Piece
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon, Polygon

@@ -1,5 +1,9 @@
-"""Solid and cylinder, cut: exact closed loops, layer by layer, each with a certificate."""
+"""A solid cut with a cylinder: closed loops of exact unrolled curves, by two engines.
 
-from .layer import Certificate, Engine, FailedLayer, Layer
+In: a solid about its axis and a radius. Out: loops with the material on their left, and the certificate of the engine.
+"""
 
-__all__ = ["Certificate", "Engine", "FailedLayer", "Layer"]
+from .certificate import Certificate, Engine
+from .cut_solid import CutSolid, cut_solid, cut_solids
+
+__all__ = ["Certificate", "CutSolid", "Engine", "cut_solid", "cut_solids"]

@@ -13,15 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from brep_slicer.curves import Curve, LineCurve, SinusoidCurve
+from brep_slicer.curves import Curve, LineCurve, Loop, SinusoidCurve
 from brep_slicer.curves.spline import span_nodes, spline_through_nodes
 from brep_slicer.errors import LayerError
 from brep_slicer.geometry import ConicEdge, EdgeCurve, LineEdge
 from brep_slicer.maps import TURN, Array
-from brep_slicer.region import Region, region_from_loops
 
+from .certificate import Certificate, Engine
 from .chain import Arc, loops_from_arcs
-from .layer import Certificate, Engine
 
 # OCCT's booleans are wrong within about 1e-6 mm of a coincident face (DESIGN section 4): stay ten times farther away.
 COINCIDENCE_STEP = 1e-5
@@ -33,7 +32,7 @@ CUTS = 2.0
 KIND_RESIDUAL = 1e-9
 
 
-def section_by_boolean(solid: Any, radius: float, *, critical: Array, seam: float = 0.4142) -> tuple[Region, Certificate]:
+def section_by_boolean(solid: Any, radius: float, *, critical: Array, seam: float = 0.4142) -> tuple[list[Loop], Certificate]:
     """Cut one solid.
 
     Parameters
@@ -63,27 +62,28 @@ def section_by_boolean(solid: Any, radius: float, *, critical: Array, seam: floa
         Arc(curve=curve_on_cylinder(u.curve, u.first, u.last, used, forward=u.forward), start=u.start, end=u.end)
         for u in whole.uses
     ]
-    region = region_from_loops(used, loops_from_arcs(used, arcs))
+    loops = loops_from_arcs(used, arcs)
+    area, length = sum(loop.signed_area() for loop in loops), sum(loop.length() for loop in loops)
     halves = sum(
         common_with_cylinder(solid, used, seam=seam + 1.0 + k * math.pi, turn=math.pi, heights=heights).area for k in (0, 1)
     )
     tolerance = max((u.tolerance for u in whole.uses), default=INTERSECTION_RESIDUAL)
-    jog = max((loop.jog() for loop in region.loops), default=0.0)
-    allowed = CUTS * region.length * (max(tolerance, INTERSECTION_RESIDUAL) + jog) + 1e-9 * region.area
+    jog = max((loop.jog() for loop in loops), default=0.0)
+    allowed = CUTS * length * (max(tolerance, INTERSECTION_RESIDUAL) + jog) + 1e-9 * area
     checks: dict[str, bool | float | str] = {
-        "area_of_half_turns_mm2": halves - region.area,
-        "area_of_occt_face_mm2": whole.area - region.area,
+        "area_of_half_turns_mm2": halves - area,
+        "area_of_occt_face_mm2": whole.area - area,
         "tolerances_unchanged": True,
     }
-    if abs(halves - region.area) > allowed or abs(whole.area - region.area) > allowed:
+    if abs(halves - area) > allowed or abs(whole.area - area) > allowed:
         raise LayerError(
-            f"OCCT's boolean contradicts itself at radius {radius:g} mm: {region.area:.6g} mm2 in its outline,"
+            f"OCCT's boolean contradicts itself at radius {radius:g} mm: {area:.6g} mm2 in its outline,"
             f" {whole.area:.6g} in its faces, {halves:.6g} in two half-turns"
         )
     certificate = Certificate(
         engine=Engine.BOOLEAN, residual=max(residual, tolerance), jog=jog, checks=checks, coincident=used != radius
     )
-    return region.on_radius(radius), certificate
+    return [loop.on_radius(radius) for loop in loops], certificate
 
 
 def _clear_radius(radius: float, critical: Array) -> tuple[float, float]:

@@ -12,10 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brep_slicer.curves import Curve
+from brep_slicer.curves import Curve, Loop
 from brep_slicer.errors import LayerError
 from brep_slicer.maps import TURN, Array
-from brep_slicer.region import Loop
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

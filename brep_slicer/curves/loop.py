@@ -1,6 +1,6 @@
-"""Closed chains of unrolled curves, and the pieces that they bound.
+"""Closed chains of unrolled curves.
 
-In: curves that follow one another with the material on their left. Out: Loop and Piece values with exact areas.
+In: curves that follow one another with the material on their left. Out: Loop values with exact integrals.
 
 Words: *winding*, how often a loop goes round the shaft (0, or +-1 on a full band); *lift*, one of a loop's copies in the
 universal cover, a whole number of turns apart; *jog*, the gap between one curve's end and the next one's start.
@@ -12,8 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brep_slicer.curves import Curve
 from brep_slicer.maps import TURN, Array
+
+from .base import Curve
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -39,9 +40,11 @@ class Loop:
     def moment(self, power: int) -> float:
         """Integral of v**power dkappa once round, in mm**(power + 1); jogs are closed by straight segments."""
         ends, starts = self._joints()
-        bridges = (starts[:, 0] - ends[:, 0]) * sum(
-            ends[:, 1] ** i * starts[:, 1] ** (power - i) for i in range(power + 1)
-        ) / (power + 1)
+        bridges = (
+            (starts[:, 0] - ends[:, 0])
+            * sum(ends[:, 1] ** i * starts[:, 1] ** (power - i) for i in range(power + 1))
+            / (power + 1)
+        )
         return sum(curve.moment(power) for curve in self.curves) + float(np.sum(bridges))
 
     def length(self) -> float:
@@ -91,62 +94,3 @@ class Loop:
         """The loop of the same angles on another cylinder."""
         moved = tuple(curve.on_radius(self.radius, radius) for curve in self.curves)
         return Loop(curves=moved, radius=radius, winding=self.winding)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Piece:
-    """A connected part of a region.
-
-    `outer` is one loop of winding 0, run counter-clockwise, or, on a full band, two: the lower edge (winding +1) and the
-    upper edge (winding -1). `holes` run clockwise and lie in the same chart: inside of the outer loop, or within one turn
-    from the start of the lower edge.
-    """
-
-    outer: tuple[Loop, ...]
-    holes: tuple[Loop, ...] = ()
-
-    @property
-    def winds(self) -> bool:
-        """Whether the piece goes all the way round."""
-        return len(self.outer) == 2
-
-    @property
-    def radius(self) -> float:
-        """Radius of the cylinder, mm."""
-        return self.outer[0].radius
-
-    @property
-    def loops(self) -> tuple[Loop, ...]:
-        """Outer loops first, then holes."""
-        return self.outer + self.holes
-
-    def area(self) -> float:
-        """Exact area from the curves, mm**2."""
-        return sum(loop.signed_area() for loop in self.loops)
-
-    def first_moment(self) -> float:
-        """Integral of v over the piece, mm**3: -1/2 sum of the integrals of v**2 dkappa (Green)."""
-        return -0.5 * sum(loop.moment(2) for loop in self.loops)
-
-    def length(self) -> float:
-        """Length of the whole boundary, mm."""
-        return sum(loop.length() for loop in self.loops)
-
-    def bounds(self) -> tuple[float, float, float, float]:
-        """(kappa_min, v_min, kappa_max, v_max) of the outer loops, mm."""
-        boxes = np.array([loop.bounds() for loop in self.outer])
-        return (*boxes[:, :2].min(axis=0).tolist(), *boxes[:, 2:].max(axis=0).tolist())
-
-    def shifted(self, turns: int) -> Piece:
-        """The lift `turns` turns further on."""
-        return Piece(
-            outer=tuple(loop.shifted(turns) for loop in self.outer),
-            holes=tuple(loop.shifted(turns) for loop in self.holes),
-        )
-
-    def on_radius(self, radius: float) -> Piece:
-        """The piece of the same angles on another cylinder."""
-        return Piece(
-            outer=tuple(loop.on_radius(radius) for loop in self.outer),
-            holes=tuple(loop.on_radius(radius) for loop in self.holes),
-        )

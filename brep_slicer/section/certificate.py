@@ -1,7 +1,6 @@
-"""What cutting a part at one radius gives: a Layer with its certificate, or a FailedLayer that says why not.
+"""What stands behind a section: the engine that made it, its numerical error, its checks.
 
-In: the region that an engine found and what it checked. Out: frozen results; a failed layer is a type of its own, so
-that it can never be taken for an empty one.
+In: an engine's own figures. Out: a Certificate.
 """
 
 from __future__ import annotations
@@ -10,8 +9,6 @@ import enum
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
-
-from brep_slicer.region import Region
 
 
 class Engine(enum.Enum):
@@ -47,40 +44,3 @@ class Certificate:
             "fallback": self.fallback,
             "coincident": self.coincident,
         }
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Layer:
-    """One layer: the nominal `radius` that is deposited on, the `cut_radius` where the part was cut, the region.
-
-    The region is drawn on `radius` (kappa = radius * theta); `area` is the area at the cut radius, in mm**2.
-    """
-
-    index: int
-    radius: float
-    cut_radius: float
-    thickness: float | None
-    region: Region
-    area: float
-    certificate: Certificate
-
-    @property
-    def failed(self) -> bool:
-        """False: see `FailedLayer`."""
-        return False
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FailedLayer:
-    """A layer that no engine could cut with certainty; it has no area and no region."""
-
-    index: int
-    radius: float
-    cut_radius: float
-    thickness: float | None
-    reason: str
-
-    @property
-    def failed(self) -> bool:
-        """True."""
-        return True

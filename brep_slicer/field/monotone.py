@@ -1,0 +1,212 @@
+"""Edges cut into stretches along which rho rises or falls: each crosses a layer at most once.
+
+In: a geometry.Brep. Out: EdgeStretches, arrays over all stretches of all edges.
+
+Words: *stretch*, a part of an edge between two neighbouring extremes of rho (or its ends); *level*, a face or an edge whose
+radii differ by less than the coincidence band; *effective radius*, what a point counts as: everything that a level face or
+edge touches has that one's radius, so that no layer can fall between them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from brep_slicer.geometry import Brep, Edge, SurfaceKind
+from brep_slicer.geometry.edge_curves import EdgeCurve, LineEdge
+from brep_slicer.maps import Array
+
+from .radial import COINCIDENCE_BAND, radii_of
+
+# Chebyshev nodes a smooth piece: the derivative of rho**2 on a B-spline of degree 9 has degree 17, on a quarter ellipse its
+# coefficients fall below 1e-16 after 20.
+NODES = 24
+# Interior extremes nearer than this to the end of a piece (share of its parameters) are the end itself.
+END_SHARE = 1e-9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class EdgeStretches:
+    """Every stretch of every edge that is not level: `edge` (n,) its number, `t` (n, 2) its parameters, `rho` (n, 2) its
+    effective radii at those, mm. `vertex_rho` (vertices,) are the effective radii of the vertices, `edge_level` (edges,)
+    the effective radius of each level edge and nan for the others, `face_level` (faces,) the same for faces;
+    `extremes` the radii (mm) where an edge turns back."""
+
+    edge: Array
+    t: Array
+    rho: Array
+    vertex_rho: Array
+    edge_level: Array
+    face_level: Array
+    extremes: Array
+
+
+def edge_stretches(brep: Brep) -> EdgeStretches:
+    """Cut all edges of a solid, and settle the effective radii."""
+    cuts = [(_turning_points(edge) if edge.curve is not None else np.zeros(0)) for edge in brep.edges]
+    ranges = np.array([_edge_range(edge, cut) for edge, cut in zip(brep.edges, cuts, strict=True)]).reshape(-1, 2)
+    level_edges = ranges[:, 1] - ranges[:, 0] <= COINCIDENCE_BAND
+    level_faces = _level_faces(brep, level_edges)
+    vertex_rho, edge_level, face_level = _effective(brep, ranges, level_edges, level_faces)
+    edges, params, radii, extremes = [], [], [], []
+    for number, (edge, cut) in enumerate(zip(brep.edges, cuts, strict=True)):
+        if edge.curve is None or level_edges[number]:
+            continue
+        t = np.concatenate([[edge.first], cut, [edge.last]])
+        rho = radii_of(edge.curve.points(t))
+        extremes.append(rho[1:-1])
+        rho[0], rho[-1] = vertex_rho[edge.vertices[0]], vertex_rho[edge.vertices[1]]
+        edges.append(np.full(len(t) - 1, number))
+        params.append(np.stack([t[:-1], t[1:]], axis=1))
+        radii.append(np.stack([rho[:-1], rho[1:]], axis=1))
+    return EdgeStretches(
+        edge=np.concatenate([np.zeros(0, dtype=int), *edges]),
+        t=np.concatenate([np.zeros((0, 2)), *params]),
+        rho=np.concatenate([np.zeros((0, 2)), *radii]),
+        vertex_rho=vertex_rho,
+        edge_level=edge_level,
+        face_level=face_level,
+        extremes=np.concatenate([np.zeros(0), *extremes]),
+    )
+
+
+def _slope(curve: EdgeCurve, t: Array) -> Array:
+    """d(rho**2)/dt / 2 at t."""
+    p, d = curve.derivatives(t, 1)
+    return p[:, 0] * d[:, 0] + p[:, 1] * d[:, 1]
+
+
+def _turning_points(edge: Edge) -> Array:
+    """Parameters strictly inside of the edge where rho has an extreme, increasing."""
+    curve = edge.curve
+    assert curve is not None
+    if isinstance(curve, LineEdge):
+        flat = curve.direction[:2]
+        if flat @ flat == 0.0:
+            return np.zeros(0)
+        roots = np.array([-(curve.origin[:2] @ flat) / (flat @ flat)])
+    else:
+        breaks = curve.breaks(edge.first, edge.last)
+        if _is_level(curve, breaks):
+            return np.zeros(0)
+        roots = _roots_of_slope(curve, breaks[:-1], breaks[1:])
+        if len(breaks) > 2:
+            # extremes at a corner of the curve: the slope changes sign across a break
+            step = 1e-7 * np.diff(breaks).min()
+            change = _slope(curve, breaks[1:-1] - step) * _slope(curve, breaks[1:-1] + step) < 0.0
+            roots = np.concatenate([roots, breaks[1:-1][change]])
+    slack = END_SHARE * (edge.last - edge.first)
+    roots = np.sort(roots[(roots > edge.first + slack) & (roots < edge.last - slack)])
+    keep = np.diff(roots, prepend=-np.inf) > slack
+    return roots[keep]
+
+
+def _is_level(curve: EdgeCurve, breaks: Array) -> bool:
+    """Whether rho varies by less than the band; its extremes would be rounding noise."""
+    t = (breaks[:-1, None] + np.diff(breaks)[:, None] * np.linspace(0.0, 1.0, 9)[None, :]).ravel()
+    return float(np.ptp(radii_of(curve.points(t)))) <= COINCIDENCE_BAND
+
+
+def _roots_of_slope(curve: EdgeCurve, a: Array, b: Array) -> Array:
+    """Sign changes of the slope of rho**2 in the intervals [a, b] (n,), by Chebyshev series; bisected where in doubt."""
+    found = []
+    for _ in range(12):
+        if len(a) == 0:
+            break
+        nodes = np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)
+        t = 0.5 * (a + b)[:, None] + 0.5 * (b - a)[:, None] * nodes[None, :]
+        values = _slope(curve, t.ravel()).reshape(t.shape)
+        coefficients = np.polynomial.chebyshev.chebfit(nodes, values.T, NODES - 1).T
+        rest = np.abs(coefficients[:, 1:]).sum(axis=1)
+        doubtful = rest >= np.abs(coefficients[:, 0])
+        monotone = np.abs(coefficients[:, 1]) > sum(k * k * np.abs(coefficients[:, k]) for k in range(2, NODES))
+        single = doubtful & monotone
+        if single.any():
+            found.append(_single_roots(curve, a[single], b[single]))
+        a, b = a[doubtful & ~monotone], b[doubtful & ~monotone]
+        middle = 0.5 * (a + b)
+        a, b = np.concatenate([a, middle]), np.concatenate([middle, b])
+        if len(a) > 4096:
+            break
+    # what is still in doubt is level to rounding there, or has a double root: no sign change that could be missed for long
+    if 0 < len(a) <= 4096:
+        change = _slope(curve, a) * _slope(curve, b) < 0.0
+        if change.any():
+            found.append(_single_roots(curve, a[change], b[change]))
+    return np.concatenate([np.zeros(0), *found])
+
+
+def _single_roots(curve: EdgeCurve, a: Array, b: Array) -> Array:
+    """Bisection to rounding in every interval whose ends differ in sign."""
+    left, right = _slope(curve, a), _slope(curve, b)
+    some = left * right <= 0.0
+    a, b, left = a[some].copy(), b[some].copy(), left[some]
+    for _ in range(60):
+        middle = 0.5 * (a + b)
+        low = _slope(curve, middle) * left > 0.0
+        a, b = np.where(low, middle, a), np.where(low, b, middle)
+    return 0.5 * (a + b)
+
+
+def _edge_range(edge: Edge, cut: Array) -> tuple[float, float]:
+    if edge.curve is None:
+        return (np.nan, np.nan)
+    between = np.linspace(edge.first, edge.last, 9)
+    rho = radii_of(edge.curve.points(np.concatenate([between, cut])))
+    return float(rho.min()), float(rho.max())
+
+
+def _level_faces(brep: Brep, level_edges: Array) -> Array:
+    """Faces that are coaxial cylinders within the band: every edge is level, or the surface is one, and samples agree."""
+    out = np.zeros(len(brep.faces), dtype=bool)
+    for i, face in enumerate(brep.faces):
+        if face.surface.kind is SurfaceKind.PLANE:
+            continue
+        lines = [np.linspace(face.box[0, k], face.box[1, k], 7) for k in (0, 1)]
+        uv = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
+        rho = radii_of(face.surface.points(uv))
+        # cheap first look, then along the face's own edges
+        if rho.max() - rho.min() <= COINCIDENCE_BAND:
+            uses = [use.edge for loop in face.loops for use in loop]
+            out[i] = all(level_edges[e] or brep.edges[e].curve is None for e in uses)
+    return out
+
+
+def _effective(brep: Brep, ranges: Array, level_edges: Array, level_faces: Array) -> tuple[Array, Array, Array]:
+    """Join vertices along level edges and faces; each group counts as its lowest radius (a layer inside of the band then
+    has all of it below, which is the one-sided rule)."""
+    count = len(brep.vertices)
+    parent = np.arange(count)
+
+    def root(i: int) -> int:
+        while parent[i] != i:
+            parent[i] = parent[parent[i]]
+            i = int(parent[i])
+        return i
+
+    for number in np.flatnonzero(level_edges):
+        a, b = brep.edges[number].vertices
+        parent[root(a)] = root(b)
+    for number in np.flatnonzero(level_faces):
+        corners = [v for loop in brep.faces[number].loops for use in loop for v in brep.edges[use.edge].vertices]
+        for corner in corners[1:]:
+            parent[root(corner)] = root(corners[0])
+    roots = np.array([root(i) for i in range(count)], dtype=int)
+    rho = radii_of(brep.vertices)
+    lowest = np.full(count, np.inf)
+    np.minimum.at(lowest, roots, rho)
+    for number in np.flatnonzero(level_edges):
+        group = roots[brep.edges[number].vertices[0]]
+        lowest[group] = min(lowest[group], ranges[number, 0])
+    vertex = lowest[roots]
+    edge_level = np.array(
+        [vertex[e.vertices[0]] if level else np.nan for e, level in zip(brep.edges, level_edges, strict=True)]
+    )
+    face_level = np.array(
+        [
+            vertex[brep.edges[f.loops[0][0].edge].vertices[0]] if level and f.loops else np.nan
+            for f, level in zip(brep.faces, level_faces, strict=True)
+        ]
+    )
+    return vertex, edge_level, face_level

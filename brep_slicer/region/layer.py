@@ -1,0 +1,50 @@
+"""What cutting a part at one radius gives: a Layer, or a FailedLayer that says why not.
+
+In: the region and what an engine checked. Out: frozen results; a failed layer is a type of its own, so that it can never be
+taken for an empty one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from brep_slicer.section import Certificate
+
+from .region import Region
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Layer:
+    """One layer: the nominal `radius` that is deposited on, the `cut_radius` where the part was cut, the region.
+
+    The region is drawn on `radius` (kappa = radius * theta); `area` is the area at the cut radius, in mm**2.
+    """
+
+    index: int
+    radius: float
+    cut_radius: float
+    thickness: float | None
+    region: Region
+    area: float
+    certificate: Certificate
+
+    @property
+    def failed(self) -> bool:
+        """False: see `FailedLayer`."""
+        return False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FailedLayer:
+    """A layer that no engine could cut with certainty; it has no area and no region."""
+
+    index: int
+    radius: float
+    cut_radius: float
+    thickness: float | None
+    reason: str
+
+    @property
+    def failed(self) -> bool:
+        """True."""
+        return True

@@ -1,0 +1,142 @@
+"""A part cut at given radii: every solid by itself, the sections joined in the plane.
+
+In: a part, radii, an axis. Out: one Layer or FailedLayer per radius.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from brep_slicer.errors import LayerError
+from brep_slicer.part import as_part
+from brep_slicer.process import check_radii
+from brep_slicer.section import Certificate, CutSolid, Engine, cut_solids
+from brep_slicer.section.boolean import section_by_boolean
+from brep_slicer.substrate.axis import Axis, find_axis
+
+from .layer import FailedLayer, Layer
+from .overlay import difference_of_regions, union_of_regions
+from .region import Region, region_from_loops
+
+Section = tuple[Region, Certificate] | LayerError
+
+
+def slice_part(
+    part: Any,
+    radii: Sequence[float],
+    *,
+    axis: Axis | None = None,
+    engine: Engine | str = Engine.ANALYTIC,
+    substrate_solids: Sequence[int] = (),
+) -> list[Layer | FailedLayer]:
+    """Cut a part with coaxial cylinders.
+
+    Parameters
+    ----------
+    part
+        A Part, or anything that `as_part` takes.
+    radii : sequence of float
+        Increasing radii, mm.
+    axis : Axis, optional
+        Found by `find_axis` if not given.
+    engine : Engine or str
+        ANALYTIC (level sets of rho, exact; falls back to the other where its certificate fails) or BOOLEAN (OCCT).
+    substrate_solids : sequence of int
+        Indices of solids that are built upon: their sections are taken away from those of the others.
+
+    Returns
+    -------
+    list of Layer or FailedLayer
+        One per radius; a radius that meets no metal gives an empty Layer.
+
+    Raises
+    ------
+    InputError
+        If the part or a radius cannot be used.
+    PlanningError
+        If the part has no axis, or several.
+    """
+    part = as_part(part)
+    checked = check_radii(radii)
+    axis = find_axis(part) if axis is None else axis
+    solids = cut_solids(part, axis)
+    return slice_solids(solids, checked, engine=Engine(engine), substrate_solids=substrate_solids)
+
+
+def slice_solids(
+    solids: Sequence[CutSolid],
+    radii: Sequence[float],
+    *,
+    engine: Engine = Engine.ANALYTIC,
+    substrate_solids: Sequence[int] = (),
+    progress: Callable[[int], None] | None = None,
+) -> list[Layer | FailedLayer]:
+    """`slice_part` for solids that are ready; `progress` is called with the number of each finished layer."""
+    ahead = {s.index: _sections(s, radii, engine) for s in solids}
+    out: list[Layer | FailedLayer] = []
+    for i, radius in enumerate(radii):
+        sections = {s.index: ahead[s.index](i) for s in solids}
+        out.append(_layer(i, radius, sections, set(substrate_solids)))
+        if progress is not None:
+            progress(i)
+    return out
+
+
+def _sections(solid: CutSolid, radii: Sequence[float], engine: Engine) -> Callable[[int], Section]:
+    """A solid's section at radius number i (the analytic engine finds all of them at once, the other one by one)."""
+
+    def by_boolean(i: int) -> Section:
+        try:
+            loops, certificate = section_by_boolean(solid.wrapped, radii[i], critical=solid.critical.radii)
+            return region_from_loops(radii[i], loops), certificate
+        except LayerError as error:
+            return error
+
+    return by_boolean
+
+
+def _layer(index: int, radius: float, sections: dict[int, Section], substrate: set[int]) -> Layer | FailedLayer:
+    failed = [str(s) for s in sections.values() if isinstance(s, LayerError)]
+    reason = "; ".join(failed)
+    if not failed:
+        try:
+            return _joined(index, radius, sections, substrate)  # type: ignore[arg-type]
+        except LayerError as error:
+            reason = str(error)
+    return FailedLayer(index=index, radius=radius, cut_radius=radius, thickness=None, reason=reason)
+
+
+def _joined(index: int, radius: float, sections: dict[int, tuple[Region, Certificate]], substrate: set[int]) -> Layer:
+    features = [region for i, (region, _) in sections.items() if i not in substrate]
+    standing = [region for i, (region, _) in sections.items() if i in substrate]
+    region = union_of_regions(radius, features)
+    for other in standing:
+        region = difference_of_regions(region, other)
+    return Layer(
+        index=index,
+        radius=radius,
+        cut_radius=radius,
+        thickness=None,
+        region=region,
+        area=region.area,
+        certificate=_merged([c for _, c in sections.values()]),
+    )
+
+
+def _merged(certificates: list[Certificate]) -> Certificate:
+    """One certificate for several solids: the worst of each figure."""
+    if len(certificates) == 1:
+        return certificates[0]
+    engines = {c.engine for c in certificates}
+    checks = {f"{k}@{i}": v for i, c in enumerate(certificates) for k, v in c.checks.items()}
+    return Certificate(
+        engine=Engine.BOOLEAN if Engine.BOOLEAN in engines else Engine.ANALYTIC,
+        residual=float(np.max([c.residual for c in certificates])),
+        jog=float(np.max([c.jog for c in certificates])),
+        checks=checks,
+        fallback="; ".join(c.fallback for c in certificates if c.fallback),
+        coincident=any(c.coincident for c in certificates),
+    )

@@ -1,0 +1,48 @@
+"""One solid made ready for cutting: in the axis frame, its geometry in numpy, its critical radii.
+
+In: a Solid and an Axis. Out: a CutSolid, computed once and used for every radius.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from brep_slicer.field import Critical, EdgeStretches, critical_radii, edge_stretches
+from brep_slicer.geometry import Brep
+from brep_slicer.part import Part, Solid
+from brep_slicer.substrate.axis import Axis
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CutSolid:
+    """A solid in the axis frame: the OCP solid `wrapped`, its `brep`, its edges' `stretches`, its `critical` radii."""
+
+    index: int
+    name: str
+    wrapped: Any
+    brep: Brep
+    stretches: EdgeStretches
+    critical: Critical
+
+
+def cut_solid(solid: Solid, axis: Axis) -> CutSolid:
+    """Make one solid ready for cutting about `axis`."""
+    from brep_slicer.kernel.brep import brep_from_solid
+    from brep_slicer.kernel.shapes import transformed
+
+    brep = brep_from_solid(solid.wrapped, axis.matrix)
+    stretches = edge_stretches(brep)
+    return CutSolid(
+        index=solid.index,
+        name=solid.name,
+        wrapped=transformed(solid.wrapped, axis.matrix),
+        brep=brep,
+        stretches=stretches,
+        critical=critical_radii(brep, stretches),
+    )
+
+
+def cut_solids(part: Part, axis: Axis) -> tuple[CutSolid, ...]:
+    """Every solid of a part, made ready."""
+    return tuple(cut_solid(solid, axis) for solid in part.solids)

@@ -1,0 +1,104 @@
+"""The radii of the layers: R + i t, or a list of thicknesses, or a list of radii.
+
+In: the substrate's radius, the part's outermost one, the process. Out: a LayerStack.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass, replace
+
+from brep_slicer.errors import InputError, PlanningError
+from brep_slicer.process import CutAt, LastLayer, Process
+
+# A height that is a multiple of t to this (mm) is one: 43.4 / 1.4 is 31, whatever its binary digits say (DESIGN section 5).
+HEIGHT_BAND = 1e-6
+# A file with more layers than this is a slip of the unit or of t.
+MOST_LAYERS = 100_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LayerStack:
+    """`radii`, `thicknesses` and `cut_radii` of the layers (mm, one each); by how much the last one overshoots the part."""
+
+    radii: tuple[float, ...]
+    thicknesses: tuple[float, ...]
+    cut_radii: tuple[float, ...]
+    overshoot: float
+    notes: tuple[str, ...] = ()
+
+
+def stack_layers(substrate: float, highest: float, process: Process) -> LayerStack:
+    """The layers from the substrate's radius to the part's outermost one.
+
+    Raises
+    ------
+    InputError
+        If the thickness does not suit the height, or a given radius lies outside of the part.
+    PlanningError
+        If no layer is left.
+    """
+    height = highest - substrate
+    stack = _given_radii(substrate, highest, process) if process.radii is not None else _stacked(substrate, height, process)
+    if not stack.radii:
+        raise PlanningError("no layer is left to build; make the layers thinner or keep the last one")
+    if process.cut_at is CutAt.MIDDLE:
+        cut = tuple(r + 0.5 * t for r, t in zip(stack.radii, stack.thicknesses, strict=True))
+        stack = replace(stack, cut_radii=cut)
+    return stack
+
+
+def _stacked(substrate: float, height: float, process: Process) -> LayerStack:
+    first = process.thickness(0)
+    if first > height + HEIGHT_BAND:
+        raise InputError(
+            f"layer thickness {first:g} mm is larger than the whole height to build, {height:.6g} mm; make it smaller"
+        )
+    if height / first > MOST_LAYERS:
+        raise InputError(f"layer thickness {first:g} mm gives {height / first:.0f} layers; check its unit")
+    thicknesses: list[float] = []
+    total = 0.0
+    while total < height - HEIGHT_BAND:
+        thicknesses.append(process.thickness(len(thicknesses)))
+        # one product where t is constant: no sum of rounding errors
+        total = len(thicknesses) * first if not isinstance(process.layer_thickness, tuple) else math.fsum(thicknesses)
+    overshoot = total - height
+    notes: list[str] = []
+    if overshoot > HEIGHT_BAND and process.last_layer is LastLayer.DROP:
+        dropped = thicknesses.pop()
+        overshoot = math.fsum(thicknesses) - height
+        notes.append(f"the last layer is dropped: the part stays {-overshoot:.4g} mm lower (thickness {dropped:g} mm)")
+    elif overshoot > HEIGHT_BAND and process.last_layer is LastLayer.STRETCH:
+        without = total - thicknesses[-1]
+        if without > 0.0 and height - without < total - height:
+            thicknesses.pop()
+        scale = height / math.fsum(thicknesses)
+        thicknesses = [t * scale for t in thicknesses]
+        overshoot = 0.0
+        notes.append(f"layers are stretched by {scale:.6g} so that {len(thicknesses)} of them fill {height:.6g} mm")
+    elif overshoot > HEIGHT_BAND:
+        notes.append(f"the last layer overshoots the part by {overshoot:.4g} mm; --last-layer drop or stretch changes that")
+    constant = len(set(thicknesses)) <= 1
+    radii = tuple(substrate + (i * thicknesses[0] if constant else math.fsum(thicknesses[:i])) for i in range(len(thicknesses)))
+    return LayerStack(
+        radii=radii, thicknesses=tuple(thicknesses), cut_radii=radii, overshoot=max(overshoot, 0.0), notes=tuple(notes)
+    )
+
+
+def _given_radii(substrate: float, highest: float, process: Process) -> LayerStack:
+    radii = process.radii
+    assert radii is not None
+    outside = [r for r in radii if r >= highest - HEIGHT_BAND]
+    if outside:
+        raise InputError(f"radius {outside[0]:g} mm lies outside of the part, which ends at {highest:.6g} mm; leave it out")
+    inside = [r for r in radii if r < substrate - HEIGHT_BAND]
+    if inside:
+        raise InputError(
+            f"radius {inside[0]:g} mm lies inside of the substrate, R {substrate:.6g} mm; leave it out or give --substrate"
+        )
+    thicknesses = [b - a for a, b in itertools.pairwise(radii)]
+    thicknesses.append(process.thickness(len(radii) - 1))
+    return LayerStack(
+        radii=radii, thicknesses=tuple(thicknesses), cut_radii=radii, overshoot=max(radii[-1] + thicknesses[-1] - highest, 0.0)
+    )

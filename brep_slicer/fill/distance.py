@@ -1,0 +1,137 @@
+"""Distance from points to the exact boundary curves of a piece, and bead ends brought to an exact inset.
+
+In: points in the plane, the curves of a piece. Out: distances and the directions away from the curves.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from brep_slicer.curves import Curve, LineCurve
+from brep_slicer.maps import Array
+from brep_slicer.region import Piece
+
+# Feet on curved curves are sought from samples at this share of the distance that matters, then polished by Newton.
+SEARCH_SHARE = 0.05
+
+
+class Outline:
+    """The boundary curves of a piece, with what neighbouring turns add, ready to be asked for distances."""
+
+    def __init__(self, piece: Piece, reach: float) -> None:
+        loops = list(piece.loops)
+        if piece.winds:
+            loops = [loop.shifted(k) for loop in loops for k in (-1, 0, 1)]
+        curves = [curve for loop in loops for curve in loop.curves]
+        lines = [c for c in curves if isinstance(c, LineCurve)]
+        self.p0 = np.array([c.p0 for c in lines]).reshape(-1, 2)
+        self.p1 = np.array([c.p1 for c in lines]).reshape(-1, 2)
+        self.curved: list[Curve] = [c for c in curves if not isinstance(c, LineCurve)]
+        self.period = piece.outer[0].period if piece.winds else 0.0
+        self.cut = float(piece.outer[0].curves[0].start[0]) if piece.winds else 0.0
+        chord = SEARCH_SHARE * reach
+        parameters = [_dense(c, chord) for c in self.curved]
+        self.samples = np.concatenate([np.zeros((0, 2)), *(c.points(s) for c, s in zip(self.curved, parameters, strict=True))])
+        self.sample_curve = np.repeat(np.arange(len(self.curved)), [len(s) for s in parameters])
+        self.sample_s = np.concatenate([np.zeros(0), *parameters])
+
+    def distances(self, points: Array) -> tuple[Array, Array]:
+        """Distance (n,) in mm to the nearest curve, and the unit direction (n, 2) away from it."""
+        q = points
+        if self.period:
+            q = points.copy()
+            q[:, 0] -= np.floor((q[:, 0] - self.cut) / self.period) * self.period
+        best = np.full(len(q), np.inf)
+        foot = np.zeros((len(q), 2))
+        if len(self.p0):
+            best, foot = _nearest_on_segments(q, self.p0, self.p1)
+        for feet in self._curved_feet(q):
+            gap = np.hypot(*(q - feet).T)
+            closer = gap < best
+            best = np.where(closer, gap, best)
+            foot = np.where(closer[:, None], feet, foot)
+        away = q - foot
+        return best, away / np.maximum(best, 1e-300)[:, None]
+
+    def _curved_feet(self, q: Array):
+        """Feet of the perpendiculars on the curved curves, from the three nearest samples (n, 2) each."""
+        if not len(self.samples):
+            return
+        from scipy.spatial import cKDTree
+
+        count = min(4, len(self.samples))
+        _, near = cKDTree(self.samples).query(q, k=count)
+        near = near.reshape(len(q), count)
+        for column in range(count):
+            index = near[:, column]
+            feet = np.empty_like(q)
+            for number in np.unique(self.sample_curve[index]):
+                mask = self.sample_curve[index] == number
+                feet[mask] = _feet(self.curved[int(number)], self.sample_s[index[mask]], q[mask])
+            yield feet
+
+
+def _dense(curve: Curve, chord: float) -> Array:
+    s = curve.parameters(chord)
+    return np.unique(np.concatenate([s, 0.5 * (s[:-1] + s[1:])]))
+
+
+def _feet(curve: Curve, s: Array, q: Array) -> Array:
+    """Newton on (q - c(s)).c'(s) = 0, kept in [0, 1]; the curvature is taken by a central difference."""
+    h = 1e-5
+    for _ in range(12):
+        p, d = curve.points(s), curve.derivatives(s)
+        inner = np.clip(s, h, 1.0 - h)
+        bend = (curve.derivatives(inner + h) - curve.derivatives(inner - h)) / (2.0 * h)
+        square = np.maximum(np.einsum("ij,ij->i", d, d), 1e-300)
+        slope = square - np.einsum("ij,ij->i", q - p, bend)
+        step = np.einsum("ij,ij->i", q - p, d) / np.where(slope > 0.1 * square, slope, square)
+        new = np.clip(s + step, 0.0, 1.0)
+        done = np.abs(new - s).max(initial=0.0) < 1e-15
+        s = new
+        if done:
+            break
+    return curve.points(s)
+
+
+def _nearest_on_segments(q: Array, p0: Array, p1: Array) -> tuple[Array, Array]:
+    best = np.full(len(q), np.inf)
+    foot = np.zeros((len(q), 2))
+    d = p1 - p0
+    size = np.maximum(np.einsum("ij,ij->i", d, d), 1e-300)
+    for first in range(0, len(p0), 256):
+        block = slice(first, first + 256)
+        share = np.clip(np.einsum("nkj,kj->nk", q[:, None] - p0[None, block], d[block]) / size[block], 0.0, 1.0)
+        feet = p0[None, block] + share[..., None] * d[None, block]
+        gap = np.hypot(*np.moveaxis(q[:, None] - feet, -1, 0))
+        nearest = gap.argmin(axis=1)
+        rows = np.arange(len(q))
+        closer = gap[rows, nearest] < best
+        best = np.where(closer, gap[rows, nearest], best)
+        foot = np.where(closer[:, None], feet[rows, nearest], foot)
+    return best, foot
+
+
+def ends_at_inset(outline: Outline, points: Array, outwards: Array, *, inset: float, limit: float) -> Array:
+    """Slide ends along their lines until they lie at `inset` (mm) from the outline; never nearer, never by more than `limit`.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 2)
+        Ends that lie inside by `inset` or a little more.
+    outwards : ndarray, shape (n, 2)
+        Unit directions in which their lines leave the piece.
+    """
+    moved = np.zeros(len(points))
+    best = moved.copy()
+    for _ in range(8):
+        gap, away = outline.distances(points + moved[:, None] * outwards)
+        good = gap >= inset - 1e-12
+        best = np.where(good & (moved > best), moved, best)
+        rate = np.einsum("ij,ij->i", away, outwards)
+        rate = np.where(rate < -1e-3, rate, -1e-3)
+        moved = np.clip(moved + (inset - gap) / rate, 0.0, limit)
+    gap, _ = outline.distances(points + moved[:, None] * outwards)
+    moved = np.where(gap >= inset - 1e-10, moved, best)
+    return points + moved[:, None] * outwards
+

@@ -1,0 +1,103 @@
+"""Hatch: parallel straight beads at an exact step-over and any angle, across the seam too.
+
+In: a cell. Out: beads that end at the cell's inset from the exact outline.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from brep_slicer.maps import Array
+
+from .bead import Bead, BeadKind
+from .distance import Outline, ends_at_inset
+from .full_turn import anchor_of, closing_lines, join_across_seam
+from .inset import Inset, edges_of, inset_piece
+from .pattern import Cell, CellFill, Pattern
+from .scanlines import cut_lines, directions
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hatch(Pattern):
+    """Parallel beads at `angle` (rad, counter-clockwise from +kappa seen from outside), one way or both ways.
+
+    The lines are centred on the piece, so that they turn with it; on a full turn they close by the rule of `full_turn`.
+    """
+
+    angle: float = 0.0
+    both_ways: bool = True
+
+    def fill(self, cell: Cell) -> CellFill:
+        inset = inset_piece(cell.piece, cell.inset, chord=cell.chord)
+        if inset.is_empty:
+            return CellFill(beads=(), inset=cell.inset, angle=self.angle, step_over=cell.step_over)
+        if cell.piece.winds:
+            angle, spacing, k = closing_lines(inset.period, self.angle, cell.step_over)
+        else:
+            angle, spacing, k = self.angle, cell.step_over, 0
+        starts, ends = edges_of(inset.polygons)
+        phase = _phase(cell, inset, starts, angle, spacing, k)
+        stretches = cut_lines(starts, ends, angle=angle, spacing=spacing, phase=phase)
+        if cell.piece.winds:
+            lines = join_across_seam(stretches, inset, k)
+        else:
+            lines = [(p, False) for p in stretches.points]
+        if not lines:
+            return CellFill(beads=(), inset=cell.inset, angle=angle, step_over=spacing)
+        points = _sharp_ends(cell, inset, lines, angle)
+        beads = self._beads(cell, points, [closed for _, closed in lines], angle, spacing, phase)
+        return CellFill(beads=beads, inset=cell.inset, angle=angle, step_over=spacing)
+
+    def _beads(self, cell: Cell, points: Array, closed: list[bool], angle: float, spacing: float, phase: float):
+        """In the order of the lines; with `both_ways`, every second line is run backwards."""
+        _, across = directions(angle)
+        number = np.round((points[:, 0] @ across - phase) / spacing).astype(int)
+        along, _ = directions(angle)
+        order = np.lexsort((points[:, 0] @ along, number))
+        out = []
+        for i in order:
+            back = self.both_ways and number[i] % 2 == 1
+            line = points[i, ::-1] if back else points[i]
+            out.append(Bead(points=line, kind=BeadKind.HATCH, piece=cell.index, closed=closed[i]))
+        return tuple(_boustrophedon(out, number[order])) if self.both_ways else tuple(out)
+
+
+def _boustrophedon(beads: list[Bead], number: Array) -> list[Bead]:
+    """Several beads on a line that is run backwards come in backward order too."""
+    out: list[Bead] = []
+    for line in np.unique(number):
+        on_line = [beads[i] for i in np.flatnonzero(number == line)]
+        out += on_line[::-1] if line % 2 == 1 else on_line
+    return out
+
+
+def _phase(cell: Cell, inset: Inset, points: Array, angle: float, spacing: float, k: int) -> float:
+    """Across-coordinate of line 0: the lines are centred on the piece; on a full turn one goes through its anchor."""
+    _, across = directions(angle)
+    if cell.piece.winds and k != 0:
+        middle = 0.5 * (points[:, 1].min() + points[:, 1].max())
+        return float(np.array([anchor_of(cell.piece), middle]) @ across)
+    y = points @ across
+    low, high = float(y.min()), float(y.max())
+    count = math.floor((high - low) / spacing * (1.0 + 1e-12))
+    return low + 0.5 * (high - low - count * spacing)
+
+
+def _sharp_ends(cell: Cell, inset: Inset, lines: list[tuple[Array, bool]], angle: float) -> Array:
+    """Both ends of every bead that has ends, slid outwards to exactly the inset."""
+    points = np.array([p for p, _ in lines])
+    open_ones = np.array([not closed for _, closed in lines])
+    if not open_ones.any():
+        return points
+    along, _ = directions(angle)
+    outline = Outline(cell.piece, max(cell.inset, cell.chord))
+    ends = points[open_ones]
+    flat = np.concatenate([ends[:, 0], ends[:, 1]])
+    ways = np.concatenate([np.tile(-along, (len(ends), 1)), np.tile(along, (len(ends), 1))])
+    # a line that meets the outline at a grazing angle may have to slide a long way; twenty slacks are 3 degrees
+    moved = ends_at_inset(outline, flat, ways, inset=cell.inset, limit=20.0 * inset.slack)
+    points[open_ones] = np.stack([moved[: len(ends)], moved[len(ends) :]], axis=1)
+    return points

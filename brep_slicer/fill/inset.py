@@ -1,0 +1,112 @@
+"""Outlines moved inwards: what a bead's centre may reach, as polygons that never lie outside of the exact offset.
+
+In: a piece of a region and a distance. Out: an Inset, polygons in one chart, erring inwards by a stated amount.
+
+Words: *window*, the one turn of a full band that is drawn, from `cut` to `cut + period`; *slack*, by how much the polygons
+may lie farther in than asked (chord of the samples and of the round corners together).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from brep_slicer.maps import Array
+from brep_slicer.region import Piece, polygon_from_piece
+
+if TYPE_CHECKING:
+    from shapely import Polygon
+
+# Segments a quarter circle at round corners: sagitta 3e-4 of the offset.
+QUARTER_SEGMENTS = 32
+# Mitres end at this multiple of the offset; sharper corners are cut off, which errs inwards.
+MITRE_LIMIT = 10.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Inset:
+    """`polygons` inside of a piece by `distance` at least and `distance + slack` at most (mm).
+
+    For a piece that winds, they are drawn in the window from `cut` to `cut + period` and reach both of its sides where the
+    band goes on; `period` is 0 for other pieces.
+    """
+
+    polygons: tuple[Polygon, ...]
+    distance: float
+    slack: float
+    cut: float = 0.0
+    period: float = 0.0
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing is left."""
+        return not self.polygons
+
+
+def inset_piece(piece: Piece, distance: float, *, chord: float) -> Inset:
+    """Move a piece's outline inwards by `distance` (mm; negative: outwards), samples to `chord` (mm)."""
+    import shapely
+
+    corner = abs(distance) * (1.0 - math.cos(0.25 * math.pi / QUARTER_SEGMENTS))
+    slack = 2.0 * chord + corner
+    move = distance + (chord + corner if distance > 0.0 else chord)
+    if not piece.winds:
+        shape = _moved(polygon_from_piece(piece, chord=chord), move)
+        return Inset(polygons=_parts(shape), distance=distance, slack=slack)
+    period = piece.outer[0].period
+    cut = float(piece.outer[0].curves[0].start[0])
+    shape = _moved(_three_turns(piece, cut, chord), move)
+    low, high = shape.bounds[1::2] if not shape.is_empty else (0.0, 0.0)
+    window = shapely.box(cut, low - 1.0, cut + period, high + 1.0)
+    return Inset(polygons=_parts(shape.intersection(window)), distance=distance, slack=slack, cut=cut, period=period)
+
+
+def three_turns_moved(piece: Piece, distance: float, *, chord: float):
+    """The inset of a winding piece over the window and a turn on either side of it (shapely geometry)."""
+    corner = abs(distance) * (1.0 - math.cos(0.25 * math.pi / QUARTER_SEGMENTS))
+    cut = float(piece.outer[0].curves[0].start[0])
+    return _moved(_three_turns(piece, cut, chord), distance + chord + corner)
+
+
+def _three_turns(piece: Piece, cut: float, chord: float):
+    """A winding piece's polygon from one turn before the window to one turn after it, cut exactly at its ends."""
+    import shapely
+
+    period = piece.outer[0].period
+    lower, upper = (loop.sample(chord) for loop in piece.outer)
+    chains = []
+    for points, way in ((lower, 1), (upper, -1)):
+        turns = np.arange(-2, 4) if way > 0 else np.arange(3, -3, -1)
+        chains.append(np.concatenate([points[:-1] + np.array([k * period, 0.0]) for k in turns]))
+    shell = shapely.Polygon(np.concatenate(chains)).buffer(0.0)
+    window = shapely.box(cut - period, shell.bounds[1] - 1.0, cut + 2.0 * period, shell.bounds[3] + 1.0)
+    shell = shell.intersection(window)
+    holes = [hole.shifted(k).sample(chord) for hole in piece.holes for k in range(-3, 4)]
+    return shell.difference(shapely.union_all([shapely.Polygon(h) for h in holes])) if holes else shell
+
+
+def _moved(polygon, distance: float):
+    shape = polygon if polygon.is_valid else polygon.buffer(0.0)
+    if distance == 0.0:
+        return shape
+    # mitred: an inward offset keeps convex corners sharp, and rounds the others by itself
+    return shape.buffer(-distance, quad_segs=QUARTER_SEGMENTS, join_style="round", mitre_limit=MITRE_LIMIT)
+
+
+def _parts(shape) -> tuple[Polygon, ...]:
+    geoms = getattr(shape, "geoms", [shape])
+    return tuple(g for g in geoms if g.geom_type == "Polygon" and not g.is_empty and g.area > 0.0)
+
+
+def edges_of(polygons) -> tuple[Array, Array]:
+    """Start and end points (n, 2) of every edge of the polygons' rings."""
+    starts, ends = [np.zeros((0, 2))], [np.zeros((0, 2))]
+    for polygon in polygons:
+        for ring in (polygon.exterior, *polygon.interiors):
+            points = np.asarray(ring.coords)
+            starts.append(points[:-1])
+            ends.append(points[1:])
+    return np.concatenate(starts), np.concatenate(ends)

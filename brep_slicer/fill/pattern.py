@@ -1,0 +1,116 @@
+"""The one interface of all deposition patterns.
+
+In: a piece of a region, how far inside of its outline the first bead's centre stays, the step-over. Out: beads.
+
+Words: *cell*, a piece with all that a pattern needs to know to fill it; *sequence*, patterns one after the other, each in
+what the one before left.
+"""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from brep_slicer.region import Piece, Region
+
+from .bead import Bead, LayerFill
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Cell:
+    """What a pattern fills: `piece` number `index`; `inset`, `step_over`, `width`, `chord` in mm."""
+
+    piece: Piece
+    index: int
+    inset: float
+    step_over: float
+    width: float
+    chord: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CellFill:
+    """A cell's beads in order; the `inset` that is left for a pattern that follows; the angle and step-over used."""
+
+    beads: tuple[Bead, ...]
+    inset: float
+    angle: float | None = None
+    step_over: float | None = None
+    notes: tuple[str, ...] = ()
+
+
+class Pattern(abc.ABC):
+    """A way to fill a piece; a frozen value with its parameters."""
+
+    __slots__ = ()
+
+    @abc.abstractmethod
+    def fill(self, cell: Cell) -> CellFill:
+        """The beads of one cell, in the order of deposition."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sequence(Pattern):
+    """Patterns one after the other in the same piece, each inside of what the one before left."""
+
+    patterns: tuple[Pattern, ...]
+
+    def fill(self, cell: Cell) -> CellFill:
+        beads: tuple[Bead, ...] = ()
+        notes: tuple[str, ...] = ()
+        angle = step_over = None
+        for pattern in self.patterns:
+            made = pattern.fill(cell)
+            beads, notes = beads + made.beads, notes + made.notes
+            angle = made.angle if made.angle is not None else angle
+            step_over = made.step_over if made.step_over is not None else step_over
+            cell = replace(cell, inset=made.inset)
+        return CellFill(beads=beads, inset=cell.inset, angle=angle, step_over=step_over, notes=notes)
+
+
+def fill_region(
+    region: Region,
+    pattern: Pattern | Callable[[Piece], Pattern],
+    *,
+    step_over: float,
+    width: float,
+    inset: float,
+    chord: float,
+    shortest_bead: float = 0.0,
+) -> LayerFill:
+    """Fill every piece of a region.
+
+    Parameters
+    ----------
+    region : Region
+        In the plane of its layer.
+    pattern : Pattern or callable
+        One for all pieces, or a function that chooses one for each.
+    step_over, width, inset, chord : float
+        d, w, the inset of the outermost bead centres, the tolerance of sampled outlines, mm.
+    shortest_bead : float
+        Beads shorter than this (mm) are left out, and counted in the notes.
+
+    Returns
+    -------
+    LayerFill
+        Beads piece by piece; a piece without any is named in the notes.
+    """
+    beads: list[Bead] = []
+    notes: list[str] = []
+    angles, steps = [], []
+    for index, piece in enumerate(region.pieces):
+        cell = Cell(piece=piece, index=index, inset=inset, step_over=step_over, width=width, chord=chord)
+        made = (pattern if isinstance(pattern, Pattern) else pattern(piece)).fill(cell)
+        long = [bead for bead in made.beads if bead.length() >= shortest_bead]
+        notes += [f"piece {index}: {note}" for note in made.notes]
+        if len(long) < len(made.beads):
+            notes.append(f"piece {index}: {len(made.beads) - len(long)} beads shorter than {shortest_bead:g} mm left out")
+        if not long:
+            area = piece.area()
+            notes.append(f"piece {index} ({area:.4g} mm2) is too narrow for a bead {inset:g} mm inside of its outline: left bare")
+        beads += long
+        angles.append(float("nan") if made.angle is None else made.angle)
+        steps.append(step_over if made.step_over is None else made.step_over)
+    return LayerFill(beads=tuple(beads), angle=tuple(angles), step_over=tuple(steps), notes=tuple(notes))

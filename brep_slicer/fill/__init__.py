@@ -6,7 +6,7 @@ In: a region, a pattern, the step-over. Out: beads in (kappa, v), in the order o
 from .bead import Bead, BeadKind, LayerFill
 from .contours import Contours
 from .hatch import Hatch
-from .pattern import Cell, CellFill, Pattern, Sequence, fill_region
+from .pattern import Cell, CellFill, Pattern, PatternSequence, fill_region
 
 __all__ = [
     "Bead",
@@ -17,6 +17,6 @@ __all__ = [
     "Hatch",
     "LayerFill",
     "Pattern",
-    "Sequence",
+    "PatternSequence",
     "fill_region",
 ]

@@ -51,7 +51,7 @@ class Pattern(abc.ABC):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Sequence(Pattern):
+class PatternSequence(Pattern):
     """Patterns one after the other in the same piece, each inside of what the one before left."""
 
     patterns: tuple[Pattern, ...]

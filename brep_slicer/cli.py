@@ -1,0 +1,260 @@
+"""The command: brep-slicer inspect, plan, view.
+
+In: words from a shell. Out: files, a few lines on the terminal, an exit code (DESIGN section 5).
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from brep_slicer.errors import BrepSlicerError, InputError
+
+app = typer.Typer(
+    name="brep-slicer",
+    help="Plan laser metal deposition on shafts: cut a STEP solid with coaxial cylinders, fill the layers with beads.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+PartFile = Annotated[Path, typer.Argument(help="STEP file of the part.", metavar="PART.step")]
+AxisText = Annotated[
+    str | None, typer.Option("--axis", help="Axis of the shaft: X, Y, Z, or origin:direction as 0,0,5:0,0,1. Found if not given.")
+]
+SubstrateRadius = Annotated[
+    float | None, typer.Option("--substrate", help="Radius of the cylinder to build on, mm. Chosen and explained if not given.")
+]
+SolidNames = Annotated[list[str] | None, typer.Option("--solid", help="Plan only this solid, by name or index; may be repeated.")]
+Unit = Annotated[str | None, typer.Option("--unit", help="Length unit of the file if it states none (or a wrong one): mm, cm, m, inch.")]
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from brep_slicer.output.report import version
+
+        typer.echo(f"brep-slicer {version()}")
+        raise typer.Exit()
+
+
+@app.callback()
+def _root(
+    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")] = False,
+) -> None:
+    """Plan laser metal deposition on shafts."""
+
+
+def _part(path: Path, unit: str | None, solids: list[str] | None) -> Any:
+    from brep_slicer.part import read_step
+
+    return read_step(path, unit=unit, solids=solids or None)
+
+
+def _axis(text: str | None) -> Any:
+    from brep_slicer.substrate.axis import axis_from_text
+
+    return None if text is None else axis_from_text(text)
+
+
+@app.command()
+def inspect(
+    part: PartFile,
+    axis: AxisText = None,
+    substrate: SubstrateRadius = None,
+    solid: SolidNames = None,
+    unit: Unit = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print plain JSON.")] = False,
+) -> None:
+    """Say what a part looks like to a planner: axis, cylinders, radial range, overhangs."""
+    from brep_slicer.inspection import inspect_part
+
+    found = inspect_part(_part(part, unit, solid), axis=_axis(axis), substrate=substrate)
+    if as_json:
+        typer.echo(json.dumps(found.as_dict(), indent=1))
+        return
+    lines = [f"{found.source}: {len(found.solids)} solid(s), unit {found.unit}"]
+    for s in found.solids:
+        low, high = s["radial_range_mm"]
+        kinds = ", ".join(f"{count} {kind}" for kind, count in s["faces"].items())
+        lines.append(f"  {s['index']}: {s['name']}: {s['volume_mm3']:.6g} mm3, R {low:.6g} to {high:.6g} mm; faces: {kinds}")
+    lines.append(f"axis: {', '.join(found.candidates) if axis is None else axis}")
+    for c in found.cylinders:
+        lines.append(f"  R {c.radius:.6g} mm {'outside' if c.external else 'bore'}, {c.area:.5g} mm2, solid(s) {list(c.solids)}")
+    chosen = "none" if found.substrate_radius is None else f"R {found.substrate_radius:.6g} mm"
+    lines.append(f"substrate: {chosen} ({found.substrate_reason})")
+    lines += [f"warning: {warning}" for warning in found.warnings]
+    typer.echo("\n".join(lines))
+
+
+@app.command()
+def plan(
+    part: PartFile,
+    layer_thickness: Annotated[float | None, typer.Option("-t", "--layer-thickness", help="Layer thickness t, mm.")] = None,
+    step_over: Annotated[float | None, typer.Option("-d", "--step-over", help="Step-over d between bead centres, mm.")] = None,
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder to write to.")] = Path("out"),
+    process: Annotated[Path | None, typer.Option("--process", help="TOML file with process parameters; options overrule it.")] = None,
+    width: Annotated[float | None, typer.Option("-w", "--bead-width", help="Bead width w, mm (default 1.44 d).")] = None,
+    inset: Annotated[float | None, typer.Option("--inset", help="Outermost bead centres inside of the outline, mm (default w/2).")] = None,
+    contours: Annotated[int | None, typer.Option("--contours", help="Beads along the outline before hatching (default 0).")] = None,
+    angle: Annotated[
+        list[float] | None, typer.Option("--angle", help="Hatch angle, degrees from the circumference; repeated: layer by layer in turn.")
+    ] = None,
+    angle_step: Annotated[float | None, typer.Option("--angle-step", help="Turn the hatch by this many degrees from layer to layer.")] = None,
+    one_way: Annotated[bool, typer.Option("--one-way", help="Lay all hatch beads in the same direction.")] = False,
+    speed: Annotated[float | None, typer.Option("--speed", help="Deposition speed, mm/s (default 9).")] = None,
+    chord: Annotated[float | None, typer.Option("--chord", help="Tolerance of sampled curves, mm (default 0.01).")] = None,
+    last_layer: Annotated[str | None, typer.Option("--last-layer", help="If the height is no multiple of t: keep, drop or stretch.")] = None,
+    cut_at: Annotated[str | None, typer.Option("--cut-at", help="Cut layers at the bottom (default) or the middle of their thickness.")] = None,
+    layers: Annotated[str | None, typer.Option("--layers", help="Plan only layers a:b (from 0, b not included).")] = None,
+    engine: Annotated[str, typer.Option("--engine", help="analytic (default) or boolean.")] = "analytic",
+    axis: AxisText = None,
+    substrate: SubstrateRadius = None,
+    solid: SolidNames = None,
+    unit: Unit = None,
+    allow_failed: Annotated[bool, typer.Option("--allow-failed", help="Write the toolpath even if some layers failed.")] = False,
+    step: Annotated[bool, typer.Option("--step", help="Also write the beads as STEP wires.")] = False,
+    dxf: Annotated[bool, typer.Option("--dxf", help="Also write the unrolled layers as DXF.")] = False,
+) -> None:
+    """Plan the deposition of a part: toolpath.csv, toolpath.json, report.json, layers.png, toolpath.png."""
+    from brep_slicer.output.atomic import ensure_folder
+    from brep_slicer.output.write import write_plan
+    from brep_slicer.plan import check_complete
+    from brep_slicer.plan import plan as plan_part
+
+    given = {
+        "layer_thickness": layer_thickness,
+        "step_over": step_over,
+        "bead_width": width,
+        "inset": inset,
+        "contours": contours,
+        "hatch_angles": tuple(math.radians(a) for a in angle) if angle else None,
+        "hatch_angle_step": None if angle_step is None else math.radians(angle_step),
+        "both_ways": False if one_way else None,
+        "deposition_speed_mm_s": speed,
+        "chord": chord,
+        "last_layer": _choice("--last-layer", last_layer, "LastLayer"),
+        "cut_at": _choice("--cut-at", cut_at, "CutAt"),
+    }
+    settings = _process(process, given)
+    read = _part(part, unit, solid)
+    ensure_folder(out)
+    with _progress() as advance:
+        made = plan_part(
+            read,
+            settings,
+            axis=_axis(axis),
+            substrate=substrate,
+            layers=_layer_range(layers),
+            engine=_engine(engine),
+            progress=advance,
+        )
+    written = write_plan(made, out, allow_failed=allow_failed, step=step, dxf=dxf)
+    report = made.report()
+    if not allow_failed:
+        check_complete(made)
+    for warning in made.warnings[:20]:
+        typer.echo(f"warning: {warning}", err=True)
+    if len(made.warnings) > 20:
+        typer.echo(f"warning: {len(made.warnings) - 20} more in report.json", err=True)
+    totals = report["totals"]
+    typer.echo(
+        f"{len(made.layers)} layers on R {made.substrate.radius:.6g} mm ({made.substrate.reason}); {totals['beads']} beads,"
+        f" {totals['deposition_length_mm'] / 1000:.4g} m deposited in {totals['deposition_time_s'] / 60:.4g} min,"
+        f" {totals['travel_length_mm'] / 1000:.4g} m travel"
+    )
+    typer.echo(f"sections: {report['sections']}")
+    typer.echo("written: " + ", ".join(str(path) for path in written))
+
+
+def _process(path: Path | None, given: dict[str, Any]) -> Any:
+    from brep_slicer.process import process_from_values, read_process
+
+    if path is not None:
+        return read_process(path, **given)
+    if given["layer_thickness"] is None or given["step_over"] is None:
+        raise InputError("layer thickness and step-over are required; give -t and -d, in mm, or a file with --process")
+    return process_from_values({}, source="options", **given)
+
+
+def _choice(option: str, value: str | None, name: str) -> Any:
+    if value is None:
+        return None
+    from brep_slicer import process
+
+    kind = getattr(process, name)
+    try:
+        return kind(value)
+    except ValueError:
+        raise InputError(f"{option} is {value!r}; it must be one of {', '.join(e.value for e in kind)}") from None
+
+
+def _engine(value: str) -> Any:
+    from brep_slicer.section import Engine
+
+    try:
+        return Engine(value)
+    except ValueError:
+        raise InputError(f"--engine is {value!r}; it must be one of {', '.join(e.value for e in Engine)}") from None
+
+
+def _layer_range(text: str | None) -> tuple[int | None, int | None] | None:
+    if text is None:
+        return None
+    try:
+        first, last = (int(x) if x else None for x in text.split(":"))
+    except ValueError:
+        raise InputError(f"--layers is {text!r}; give a:b, as 0:3 for the first three") from None
+    return first, last
+
+
+class _progress:
+    """A progress bar on a terminal, nothing in a pipe."""
+
+    def __enter__(self) -> Any:
+        self.bar = None
+        if not sys.stderr.isatty():
+            return None
+        from rich.console import Console
+        from rich.progress import Progress
+
+        self.bar = Progress(console=Console(stderr=True), transient=True)
+        self.bar.start()
+        task = self.bar.add_task("layers", total=None)
+        return lambda done, total: self.bar.update(task, completed=done, total=total)  # type: ignore[union-attr]
+
+    def __exit__(self, *error: object) -> None:
+        if self.bar is not None:
+            self.bar.stop()
+
+
+@app.command()
+def view(folder: Annotated[Path, typer.Argument(help="Folder that `plan` has written.")]) -> None:
+    """Show the pictures of a plan again (opens them, or names them where there is no screen)."""
+    pictures = [folder / name for name in ("layers.png", "toolpath.png") if (folder / name).exists()]
+    if not pictures:
+        raise InputError(f"{folder}: there are no pictures of a plan in here; run brep-slicer plan first")
+    for picture in pictures:
+        typer.echo(str(picture))
+        if sys.stdout.isatty():
+            typer.launch(str(picture))
+
+
+def main() -> None:
+    """Entry point: every error that we know of is one line on standard error and an exit code."""
+    try:
+        app()
+    except BrepSlicerError as error:
+        typer.echo(f"brep-slicer: {' '.join(str(error).split())}", err=True)
+        sys.exit(error.exit_code)
+    except MemoryError:
+        typer.echo("brep-slicer: out of memory; plan fewer layers at once with --layers, or a coarser --chord", err=True)
+        sys.exit(2)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,171 @@
+"""layers.png and toolpath.png: the unrolled layers with their beads, and the toolpath in space.
+
+In: a Plan. Out: pictures. Deposition is red and repositioning blue, as in the paper's Fig. 10.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from brep_slicer.fill import LayerFill
+from brep_slicer.maps import Array
+from brep_slicer.region import Layer
+from brep_slicer.toolpath import Toolpath
+
+from .atomic import write_whole
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from brep_slicer.plan import Plan
+
+DEPOSIT, TRAVEL, METAL, OUTLINE = "#c8102e", "#1f5fbf", "#e9e4da", "#3c3c3c"
+# A page of layers shows at most this many; more are sampled evenly, first and last among them.
+MOST_PANELS = 12
+
+
+def draw_layers(plan: Plan, path: str | Path) -> Path:
+    """The unrolled layers, one panel each."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    pairs = [(la, f) for la, f in zip(plan.layers, plan.fills, strict=True) if isinstance(la, Layer) and not la.region.is_empty]
+    chosen = [pairs[i] for i in _spread(len(pairs), MOST_PANELS)]
+    columns, width, height = _page([layer for layer, _ in chosen])
+    rows = math.ceil(len(chosen) / columns)
+    figure = Figure(figsize=(width * columns, height * rows + 0.6), dpi=110, layout="constrained")
+    FigureCanvasAgg(figure)
+    for k, (layer, fill) in enumerate(chosen):
+        draw_layer(figure.add_subplot(rows, columns, k + 1), layer, fill)
+    shown = "" if len(chosen) == len(plan.layers) else f" ({len(chosen)} of {len(plan.layers)} shown)"
+    title = f"{Path(plan.part.source).name}: unrolled layers{shown} · deposition red, repositioning blue"
+    figure.suptitle(title, fontsize=11)
+    return write_whole(path, lambda temporary: figure.savefig(temporary))
+
+
+def draw_layer(axes: Axes, layer: Layer, fill: LayerFill) -> None:
+    """One unrolled layer with its beads on given axes: kappa across, v up, mm, equal scales."""
+    from matplotlib.collections import LineCollection
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path as Outline
+
+    for polygon in layer.region.to_shapely(chord=0.02).geoms:
+        rings = [np.asarray(ring.coords) for ring in (polygon.exterior, *polygon.interiors)]
+        outline = Outline.make_compound_path(*[Outline(ring, closed=True) for ring in rings])
+        axes.add_patch(PathPatch(outline, facecolor=METAL, edgecolor="none", zorder=0))
+    for loop in layer.region.loops:
+        axes.plot(*_shown(loop.sample(0.02), layer).T, color=OUTLINE, linewidth=0.8, zorder=3)
+    lines = [_shown(bead.points, layer) for bead in fill.beads]
+    axes.add_collection(LineCollection(lines, colors=DEPOSIT, linewidths=0.9, zorder=2))
+    moves = [
+        np.array([a.points[-1], b.points[0]])
+        for a, b in zip(fill.beads, fill.beads[1:], strict=False)
+        if np.hypot(*(b.points[0] - a.points[-1])) < 0.25 * layer.region.period
+    ]
+    axes.add_collection(LineCollection(moves, colors=TRAVEL, linewidths=0.6, linestyles=(0, (3, 2)), zorder=1))
+    axes.set_aspect("equal")
+    axes.autoscale_view()
+    axes.set_title(f"layer {layer.index} · R {layer.radius:.6g} mm · {layer.area:.5g} mm²", fontsize=8)
+    axes.set_xlabel("κ = Rθ, mm", fontsize=7)
+    axes.set_ylabel("v, mm", fontsize=7)
+    axes.tick_params(labelsize=6)
+
+
+def _shown(points: Array, layer: Layer) -> Array:
+    """Points of a full band drawn in the chart of -half a turn to +half a turn; a line that crosses the seam is broken."""
+    if not any(piece.winds for piece in layer.region.pieces):
+        return points
+    period = layer.region.period
+    turns = np.floor(points[:, 0] / period + 0.5)
+    if turns.min() == turns.max():
+        return points - np.array([turns[0] * period, 0.0])
+    return _broken(points, period)
+
+
+def _broken(points: Array, period: float) -> Array:
+    """The chain cut at every seam it crosses, with NaN between the parts."""
+    out = [points[:1] - [np.floor(points[0, 0] / period + 0.5) * period, 0.0]]
+    for a, b in zip(points[:-1], points[1:], strict=True):
+        low, high = sorted((a[0], b[0]))
+        seams = np.arange(np.floor(low / period + 0.5), np.ceil(high / period - 0.5) + 1) * period + 0.5 * period
+        seams = seams[(seams > low) & (seams < high)]
+        share = np.sort((seams - a[0]) / (b[0] - a[0])) if len(seams) else np.zeros(0)
+        knots = np.concatenate([[0.0], share, [1.0]])
+        for s0, s1 in zip(knots[:-1], knots[1:], strict=True):
+            ends = np.array([a + s * (b - a) for s in (s0, s1)])
+            turn = np.floor((0.5 * (ends[0, 0] + ends[1, 0])) / period + 0.5)
+            if s0 > 0.0:
+                out += [np.full((1, 2), np.nan), ends[:1] - [turn * period, 0.0]]
+            out.append(ends[1:] - [turn * period, 0.0])
+    return np.concatenate(out)
+
+
+def _spread(count: int, most: int) -> list[int]:
+    if count <= most:
+        return list(range(count))
+    return sorted({round(i * (count - 1) / (most - 1)) for i in range(most)})
+
+
+def _page(layers: list[Layer]) -> tuple[int, float, float]:
+    """Columns, and the size of a panel in inches, from the widest and highest layer."""
+    boxes = np.array([piece.bounds() for layer in layers for piece in layer.region.pieces])
+    wide = max(boxes[:, 2].max() - boxes[:, 0].min(), 1e-6)
+    if any(piece.winds for layer in layers for piece in layer.region.pieces):
+        wide = max(layer.region.period for layer in layers)
+    ratio = (boxes[:, 3].max() - boxes[:, 1].min()) / wide
+    columns = 1 if ratio < 0.25 else 2 if ratio < 0.6 else 3 if ratio < 1.3 else 4
+    columns = min(columns, len(layers))
+    width = 11.0 / columns
+    return columns, width, min(max(width * ratio + 0.7, 1.6), 8.0)
+
+
+def draw_toolpath(plan: Plan, path: str | Path) -> Path:
+    """The toolpath in space, with the outline of the substrate."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from mpl_toolkits.mplot3d.art3d import Line3DCollection
+
+    figure = Figure(figsize=(10, 8), dpi=110)
+    FigureCanvasAgg(figure)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 0.94), projection="3d")
+    toolpath = plan.toolpath
+    laid, moved = _segments(toolpath)
+    axes.add_collection3d(Line3DCollection(moved, colors=TRAVEL, linewidths=0.25, alpha=0.6))
+    axes.add_collection3d(Line3DCollection(laid, colors=DEPOSIT, linewidths=0.5))
+    rings = _substrate_rings(plan)
+    axes.add_collection3d(Line3DCollection(rings, colors=OUTLINE, linewidths=0.6))
+    everything = np.concatenate([toolpath.points, *rings]) if len(toolpath) else np.concatenate(rings)
+    low, high = everything.min(axis=0), everything.max(axis=0)
+    for setter, a, b in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), low, high, strict=True):
+        setter(a, b)
+    axes.set_box_aspect(np.maximum(high - low, 1e-3 * (high - low).max()), zoom=1.0)
+    axes.set_xlabel("x, mm")
+    axes.set_ylabel("y, mm")
+    axes.set_zlabel("z, mm")
+    axes.view_init(elev=24, azim=-58)
+    figure.suptitle(f"{Path(plan.part.source).name}: {len(plan.layers)} layers on R {plan.substrate.radius:.6g} mm", fontsize=12)
+    return write_whole(path, lambda temporary: figure.savefig(temporary))
+
+
+def _segments(toolpath: Toolpath) -> tuple[Array, Array]:
+    """Deposited and travel segments, (n, 2, 3) each."""
+    pairs = np.stack([toolpath.points[:-1], toolpath.points[1:]], axis=1)
+    return pairs[toolpath.deposits[1:]], pairs[~toolpath.deposits[1:]]
+
+
+def _substrate_rings(plan: Plan) -> list[Array]:
+    """Circles of the substrate below the deposit, and four of its generators."""
+    v = plan.toolpath.v if len(plan.toolpath) else np.zeros(1)
+    low, high = float(v.min()), float(v.max())
+    margin = 0.1 * (high - low) + 1.0
+    theta = np.linspace(0.0, 2.0 * np.pi, 181)
+    radius = plan.substrate.radius
+    circle = np.stack([radius * np.cos(theta), radius * np.sin(theta)], axis=1)
+    heights = (low - margin, high + margin)
+    rings = [np.column_stack([circle, np.full(len(circle), z)]) for z in heights]
+    rings += [np.array([[*circle[k], z] for z in heights]) for k in range(0, 180, 30)]
+    return [plan.axis.file_from_axis(ring) for ring in rings]

@@ -1,0 +1,114 @@
+"""report.json: what was planned, from what, with which checks.
+
+In: a Plan. Out: plain values.
+"""
+
+from __future__ import annotations
+
+import math
+from importlib import metadata
+from typing import TYPE_CHECKING, Any
+
+from brep_slicer.region import FailedLayer, Layer
+
+if TYPE_CHECKING:
+    from brep_slicer.plan import Plan
+
+
+def version() -> str:
+    """The installed version, or "unknown" from a bare source tree."""
+    try:
+        return metadata.version("brep-slicer")
+    except metadata.PackageNotFoundError:
+        return "unknown"
+
+
+def header_of_plan(plan: Plan) -> dict[str, Any]:
+    """What every output echoes: version, part, parameters and which of them were assumed."""
+    return {
+        "brep_slicer": version(),
+        "part": plan.part.source,
+        "unit_in_file": plan.part.unit,
+        "process": plan.process.as_dict(),
+        "assumed": plan.process.assumed(),
+        "axis": plan.axis.as_dict(),
+        "substrate_radius_mm": plan.substrate.radius,
+    }
+
+
+def report_of_plan(plan: Plan) -> dict[str, Any]:
+    """The report as plain values (no NaN: what is not known is null)."""
+    layers = _layers(plan)
+    total = {
+        key: math.fsum(layer[key] for layer in layers if layer.get(key) is not None)
+        for key in ("deposition_length_mm", "travel_length_mm", "deposition_time_s", "travel_time_s")
+    }
+    whole = [layer for layer in plan.layers if isinstance(layer, Layer)]
+    total["beads"] = sum(layer.get("beads") or 0 for layer in layers)
+    total["area_mm2"] = math.fsum(layer.area for layer in whole)
+    total["volume_mm3"] = math.fsum(layer.area * (layer.thickness or 0.0) for layer in whole)
+    return {
+        **header_of_plan(plan),
+        "solids": [{"index": s.index, "name": s.name, "stands_already": s.index in plan.substrate.solids} for s in plan.part.solids],
+        "axis_was_given": plan.axis_was_given,
+        "substrate": {
+            "radius_mm": plan.substrate.radius,
+            "reason": plan.substrate.reason,
+            "solids": list(plan.substrate.solids),
+        },
+        "outermost_radius_mm": plan.highest,
+        "overshoot_mm": plan.stack.overshoot,
+        "layer_count": len(plan.layers),
+        "failed_layers": len(plan.failed),
+        "sections": summary_of_sections(plan),
+        "totals": {**total, "powder_mass_g": powder_mass(plan, total["deposition_time_s"])},
+        "layers": layers,
+        "warnings": list(plan.warnings),
+    }
+
+
+def summary_of_sections(plan: Plan) -> str:
+    """One line on how the layers were cut."""
+    whole = [layer for layer in plan.layers if isinstance(layer, Layer)]
+    engines = [layer.certificate.engine.value for layer in whole]
+    counts = ", ".join(f"{engines.count(name)} by {name}" for name in sorted(set(engines)))
+    residual = max((layer.certificate.residual for layer in whole), default=0.0)
+    jog = max((layer.certificate.jog for layer in whole), default=0.0)
+    failed = f", {len(plan.failed)} failed" if plan.failed else ""
+    return f"{counts or 'none'}{failed}; largest residual {residual:.1e} mm, largest jog of the part's own edges {jog:.1e} mm"
+
+
+def powder_mass(plan: Plan, seconds: float) -> float | None:
+    """Powder fed while depositing, g; None without a feed rate."""
+    feed = plan.process.powder_feed_g_s
+    return None if feed is None else feed * seconds
+
+
+def _layers(plan: Plan) -> list[dict[str, Any]]:
+    paths = {row["layer"]: row for row in plan.toolpath.summary_by_layer()}
+    out = []
+    for layer, fill in zip(plan.layers, plan.fills, strict=True):
+        row: dict[str, Any] = {
+            "layer": layer.index,
+            "radius_mm": layer.radius,
+            "cut_radius_mm": layer.cut_radius,
+            "thickness_mm": layer.thickness,
+            "failed": layer.failed,
+        }
+        if isinstance(layer, FailedLayer):
+            out.append({**row, "reason": layer.reason})
+            continue
+        row |= {
+            "area_mm2": layer.area,
+            "outline_length_mm": layer.region.length,
+            "pieces": len(layer.region.pieces),
+            "full_turns": sum(piece.winds for piece in layer.region.pieces),
+            **layer.certificate.as_dict(),
+            "hatch_angle_deg": [None if math.isnan(a) else math.degrees(a) for a in fill.angle],
+            "step_over_mm": list(fill.step_over),
+            "notes": list(fill.notes),
+        }
+        mine = paths.get(layer.index, {})
+        row |= {key: mine.get(key, 0) for key in ("beads", "deposition_length_mm", "travel_length_mm", "deposition_time_s", "travel_time_s")}
+        out.append(row)
+    return out

@@ -1,0 +1,28 @@
+"""Beads as STEP wires, for CAD systems.
+
+In: a Plan. Out: one wire a bead, in the file's frame, points to the chord of the process.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .atomic import write_whole
+
+if TYPE_CHECKING:
+    from brep_slicer.plan import Plan
+
+
+def write_bead_wires(plan: Plan, path: str | Path) -> Path:
+    """Write beads.step."""
+    from brep_slicer.kernel.wires import write_step_wires
+
+    toolpath = plan.toolpath
+    # a bead's rows are its first point (which ends the travel to it) and the deposited ones that follow
+    first = np.flatnonzero(~toolpath.deposits[:-1] & toolpath.deposits[1:])
+    last = np.flatnonzero(toolpath.deposits & np.append(~toolpath.deposits[1:], True))
+    lines = [toolpath.points[a : b + 1] for a, b in zip(first, last, strict=True)]
+    return write_whole(path, lambda temporary: write_step_wires(lines, str(temporary)))

@@ -1,0 +1,58 @@
+"""All files of a plan, into one folder.
+
+In: a Plan and a folder. Out: the paths that were written.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .atomic import ensure_folder, write_text
+from .pictures import draw_layers, draw_toolpath
+from .report import header_of_plan
+from .tables import csv_from_toolpath, json_from_toolpath
+
+if TYPE_CHECKING:
+    from brep_slicer.plan import Plan
+
+
+def write_plan(
+    plan: Plan,
+    folder: str | Path,
+    *,
+    allow_failed: bool = False,
+    step: bool = False,
+    dxf: bool = False,
+    pictures: bool = True,
+) -> list[Path]:
+    """Write report.json, toolpath.csv, toolpath.json, layers.png, toolpath.png; beads.step and layers.dxf on request.
+
+    With failed layers only report.json is written, unless `allow_failed`.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written to.
+    """
+    place = ensure_folder(folder)
+    report = json.dumps(plan.report(), indent=1, allow_nan=False) + "\n"
+    written = [write_text(place / "report.json", report)]
+    if plan.failed and not allow_failed:
+        return written
+    header = header_of_plan(plan)
+    written.append(write_text(place / "toolpath.csv", csv_from_toolpath(plan.toolpath, header)))
+    written.append(write_text(place / "toolpath.json", json_from_toolpath(plan.toolpath, header)))
+    if pictures:
+        written.append(draw_layers(plan, place / "layers.png"))
+        written.append(draw_toolpath(plan, place / "toolpath.png"))
+    if step:
+        from .wires import write_bead_wires
+
+        written.append(write_bead_wires(plan, place / "beads.step"))
+    if dxf:
+        from .dxf import write_dxf
+
+        written.append(write_dxf(plan, place / "layers.dxf"))
+    return written

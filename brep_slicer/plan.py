@@ -1,0 +1,223 @@
+"""The stages strung together: part and process in, layers, beads, toolpath and report out. No geometry here.
+
+In: a part, a Process, what is known about axis and substrate. Out: a Plan.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from brep_slicer.errors import InputError, LayerError, PlanningError
+from brep_slicer.fill import Contours, Hatch, LayerFill, Pattern, PatternSequence, fill_region
+from brep_slicer.part import Part, as_part
+from brep_slicer.process import Process
+from brep_slicer.region import FailedLayer, Layer, slice_solids
+from brep_slicer.section import CutSolid, Engine, cut_solids
+from brep_slicer.substrate.axis import Axis, find_axis
+from brep_slicer.substrate.layers import LayerStack, stack_layers
+from brep_slicer.substrate.radius import Substrate, find_substrate
+from brep_slicer.toolpath import DepositLayer, Motion, Toolpath, lift_layers, obstacles_of
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Plan:
+    """A planned part: what was read, what was chosen, the layers with their fills, the toolpath."""
+
+    part: Part
+    process: Process
+    axis: Axis
+    axis_was_given: bool
+    substrate: Substrate
+    stack: LayerStack
+    highest: float
+    layers: tuple[Layer | FailedLayer, ...]
+    fills: tuple[LayerFill, ...]
+    toolpath: Toolpath
+    warnings: tuple[str, ...]
+
+    @property
+    def failed(self) -> tuple[FailedLayer, ...]:
+        """Layers that could not be cut with certainty."""
+        return tuple(layer for layer in self.layers if isinstance(layer, FailedLayer))
+
+    def report(self) -> dict[str, Any]:
+        """Everything that report.json says, as plain values."""
+        from brep_slicer.output.report import report_of_plan
+
+        return report_of_plan(self)
+
+
+def plan(
+    part: Any,
+    process: Process,
+    *,
+    axis: Axis | None = None,
+    substrate: float | None = None,
+    substrate_solids: Sequence[int] | None = None,
+    layers: tuple[int | None, int | None] | None = None,
+    engine: Engine | str = Engine.ANALYTIC,
+    progress: Callable[[int, int], None] | None = None,
+) -> Plan:
+    """Plan the deposition of a part.
+
+    Parameters
+    ----------
+    part
+        A Part, or anything that `as_part` takes.
+    process : Process
+        Layer thickness, step-over and the rest.
+    axis : Axis, optional
+        Found by a vote of the faces if not given.
+    substrate : float, optional
+        Radius (mm) to build on; by default the rule of `find_substrate`.
+    substrate_solids : sequence of int, optional
+        Indices of the solids that stand already.
+    layers : (first, past the last), optional
+        Plan only these layers; they keep their numbers.
+    engine : Engine or str
+        How sections are cut.
+    progress : callable, optional
+        Called with (layers done, layers in all).
+
+    Returns
+    -------
+    Plan
+        With failed layers, if any, in `failed`; they have no beads.
+
+    Raises
+    ------
+    InputError
+        If a value does not suit the part.
+    PlanningError
+        If there is no axis, no substrate, no layer, or no metal in a layer.
+    """
+    part = as_part(part)
+    given = axis is not None
+    axis = find_axis(part) if axis is None else axis
+    solids = cut_solids(part, axis)
+    reach = {s.index: s.critical.highest for s in solids}
+    chosen = find_substrate(part, axis, reach=reach, radius=substrate, solids=substrate_solids)
+    features = [r for i, r in reach.items() if i not in chosen.solids]
+    if not features or max(features) <= chosen.radius:
+        raise PlanningError(f"{part.source}: nothing stands beyond the substrate, R {chosen.radius:.6g} mm; give a smaller one")
+    highest = max(features)
+    _check_step_over(part, process, highest)
+    stack = stack_layers(chosen.radius, highest, process)
+    numbers = range(len(stack.radii))[slice(*layers)] if layers is not None else range(len(stack.radii))
+    if not numbers:
+        raise InputError(f"{part.source}: layers {layers} are none of the {len(stack.radii)} layers; give a:b within 0:{len(stack.radii)}")
+    cut = _cut(solids, stack, numbers, chosen, Engine(engine), progress)
+    if all(not isinstance(layer, FailedLayer) and layer.region.is_empty for layer in cut):
+        raise PlanningError(f"{part.source}: no layer meets any metal outside of R {chosen.radius:.6g} mm; check axis and substrate")
+    fills = tuple(fill_layer(layer, process) for layer in cut)
+    standing = obstacles_of([s.brep for s in solids if s.index in chosen.solids], chosen.radius)
+    toolpath = lift_layers(_deposits(cut, fills, stack), motion_of(process), axis, standing)
+    return Plan(
+        part=part,
+        process=process,
+        axis=axis,
+        axis_was_given=given,
+        substrate=chosen,
+        stack=stack,
+        highest=highest,
+        layers=cut,
+        fills=fills,
+        toolpath=toolpath,
+        warnings=tuple([*part.notes, *chosen.warnings, *stack.notes, *_warnings(cut, fills)]),
+    )
+
+
+def _check_step_over(part: Part, process: Process, highest: float) -> None:
+    if process.step_over > 2.0 * highest:
+        raise InputError(
+            f"{part.source}: step-over {process.step_over:g} mm is larger than the part (R {highest:.6g} mm); make it smaller"
+        )
+
+
+def _cut(
+    solids: Sequence[CutSolid],
+    stack: LayerStack,
+    numbers: Sequence[int],
+    substrate: Substrate,
+    engine: Engine,
+    progress: Callable[[int, int], None] | None,
+) -> tuple[Layer | FailedLayer, ...]:
+    done = (lambda i: progress(i + 1, len(numbers))) if progress is not None else None
+    radii = [stack.cut_radii[i] for i in numbers]
+    sliced = slice_solids(solids, radii, engine=engine, substrate_solids=substrate.solids, progress=done)
+    out: list[Layer | FailedLayer] = []
+    for i, layer in zip(numbers, sliced, strict=True):
+        radius = stack.radii[i]
+        layer = replace(layer, index=i, radius=radius, thickness=stack.thicknesses[i])
+        if isinstance(layer, Layer):
+            # cut elsewhere in its thickness: theta kept, kappa rescaled to the surface that is deposited on
+            layer = replace(layer, region=layer.region.on_radius(radius))
+        out.append(layer)
+    return tuple(out)
+
+
+def pattern_of(process: Process, layer: int) -> Pattern:
+    """The pattern that a process asks for on layer number `layer`."""
+    patterns: list[Pattern] = []
+    if process.contours:
+        patterns.append(Contours(count=process.contours))
+    if process.hatch:
+        patterns.append(Hatch(angle=process.hatch_angle(layer), both_ways=process.both_ways))
+    return patterns[0] if len(patterns) == 1 else PatternSequence(patterns=tuple(patterns))
+
+
+def fill_layer(layer: Layer | FailedLayer, process: Process) -> LayerFill:
+    """The beads of one layer; none for a failed one."""
+    if isinstance(layer, FailedLayer):
+        return LayerFill(beads=())
+    return fill_region(
+        layer.region,
+        pattern_of(process, layer.index),
+        step_over=process.step_over,
+        width=process.width,
+        inset=process.value("inset"),
+        chord=process.value("chord"),
+        shortest_bead=process.value("shortest_bead"),
+    )
+
+
+def _deposits(layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill], stack: LayerStack) -> list[DepositLayer]:
+    return [
+        DepositLayer(index=layer.index, radius=layer.radius, thickness=stack.thicknesses[layer.index], beads=fill.beads)
+        for layer, fill in zip(layers, fills, strict=True)
+    ]
+
+
+def motion_of(process: Process) -> Motion:
+    """Speeds and distances of the nozzle's motion."""
+    return Motion(
+        deposition_speed=process.value("deposition_speed_mm_s"),
+        travel_speed=process.value("travel_speed_mm_s"),
+        clearance=process.value("clearance"),
+        hop_length=process.value("hop_length"),
+        chord=process.value("chord"),
+        margin=0.5 * process.width,
+    )
+
+
+def _warnings(layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill]) -> list[str]:
+    out = []
+    for layer, fill in zip(layers, fills, strict=True):
+        if isinstance(layer, FailedLayer):
+            out.append(f"layer {layer.index} (R {layer.radius:.6g} mm) failed: {layer.reason}")
+        elif layer.region.is_empty:
+            out.append(f"layer {layer.index} (R {layer.radius:.6g} mm) meets no metal")
+        out += [f"layer {layer.index}: {note}" for note in fill.notes]
+    return out
+
+
+def check_complete(made: Plan) -> None:
+    """Raise a LayerError if any layer of a plan failed."""
+    if made.failed:
+        first = made.failed[0]
+        raise LayerError(
+            f"{made.part.source}: {len(made.failed)} of {len(made.layers)} layers failed, first layer {first.index}"
+            f" (R {first.radius:.6g} mm): {first.reason}; --allow-failed plans the others"
+        )

@@ -1,0 +1,70 @@
+"""What stands in the way of a travel: flanges and other parts of the substrate beyond the layer.
+
+In: the solids that stand already. Out: boxes in (theta, z) with the radius that they reach; heights along a sweep.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from brep_slicer.field import radii_of
+from brep_slicer.geometry import Brep, Face
+from brep_slicer.maps import TURN, Array
+
+# Every face is covered by this many cells a side; a cell counts with its highest corner and its own size as margin.
+CELLS = 16
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Obstacles:
+    """Boxes (n,): middle angle and half angle (rad), lowest and highest z (mm), outermost radius (mm)."""
+
+    theta: Array
+    half: Array
+    z_low: Array
+    z_high: Array
+    radius: Array
+
+    def highest(self, start: Array, end: Array, margin: float, at_radius: float) -> Array:
+        """Outermost radius (mm) in the sweeps from `start` to `end`, (m, 2) in (theta, z); 0 where nothing stands.
+
+        `margin` (mm) widens the sweep on all sides, at `at_radius`.
+        """
+        if not len(self.theta):
+            return np.zeros(len(start))
+        wide = margin / at_radius
+        middle, reach = 0.5 * (start[:, 0] + end[:, 0]), 0.5 * np.abs(end[:, 0] - start[:, 0])
+        gap = np.abs(np.mod(middle[:, None] - self.theta[None] + np.pi, TURN) - np.pi)
+        meets = gap <= reach[:, None] + self.half[None] + wide
+        low, high = np.minimum(start[:, 1], end[:, 1]) - margin, np.maximum(start[:, 1], end[:, 1]) + margin
+        meets &= (self.z_high[None] >= low[:, None]) & (self.z_low[None] <= high[:, None])
+        return np.where(meets, self.radius[None], 0.0).max(axis=1)
+
+
+def obstacles_of(solids: Sequence[Brep], beyond: float) -> Obstacles:
+    """The boxes of every face cell that reaches farther out than `beyond` (mm)."""
+    rows = [_cells(face) for solid in solids for face in solid.faces]
+    table = np.concatenate([np.zeros((0, 5)), *rows])
+    table = table[table[:, 4] > beyond]
+    return Obstacles(theta=table[:, 0], half=table[:, 1], z_low=table[:, 2], z_high=table[:, 3], radius=table[:, 4])
+
+
+def _cells(face: Face) -> Array:
+    lines = [np.linspace(face.box[0, k], face.box[1, k], CELLS + 1) for k in (0, 1)]
+    uv = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
+    p = face.surface.points(uv).reshape(CELLS + 1, CELLS + 1, 3)
+    corners = np.stack([p[:-1, :-1], p[1:, :-1], p[1:, 1:], p[:-1, 1:]], axis=-2).reshape(-1, 4, 3)
+    size = np.linalg.norm(corners[:, 2] - corners[:, 0], axis=1)
+    rho = radii_of(corners)
+    theta = np.arctan2(corners[..., 1], corners[..., 0])
+    offset = np.mod(theta - theta[:, :1] + np.pi, TURN) - np.pi
+    low, high = offset.min(axis=1), offset.max(axis=1)
+    outermost = rho.max(axis=1) + 0.05 * size
+    half = 0.5 * (high - low) + 0.05 * size / np.maximum(outermost, 1e-9)
+    z = corners[..., 2]
+    return np.stack(
+        [theta[:, 0] + 0.5 * (low + high), half, z.min(axis=1) - 0.05 * size, z.max(axis=1) + 0.05 * size, outermost], axis=1
+    )

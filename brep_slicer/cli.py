@@ -25,13 +25,18 @@ app = typer.Typer(
 
 PartFile = Annotated[Path, typer.Argument(help="STEP file of the part.", metavar="PART.step")]
 AxisText = Annotated[
-    str | None, typer.Option("--axis", help="Axis of the shaft: X, Y, Z, or origin:direction as 0,0,5:0,0,1. Found if not given.")
+    str | None,
+    typer.Option("--axis", help="Axis of the shaft: X, Y, Z, or origin:direction as 0,0,5:0,0,1. Found if not given."),
 ]
 SubstrateRadius = Annotated[
     float | None, typer.Option("--substrate", help="Radius of the cylinder to build on, mm. Chosen and explained if not given.")
 ]
-SolidNames = Annotated[list[str] | None, typer.Option("--solid", help="Plan only this solid, by name or index; may be repeated.")]
-Unit = Annotated[str | None, typer.Option("--unit", help="Length unit of the file if it states none (or a wrong one): mm, cm, m, inch.")]
+SolidNames = Annotated[
+    list[str] | None, typer.Option("--solid", help="Plan only this solid, by name or index; may be repeated.")
+]
+Unit = Annotated[
+    str | None, typer.Option("--unit", help="Length unit of the file if it states none (or a wrong one): mm, cm, m, inch.")
+]
 
 
 def _version(asked: bool) -> None:
@@ -84,7 +89,9 @@ def inspect(
         lines.append(f"  {s['index']}: {s['name']}: {s['volume_mm3']:.6g} mm3, R {low:.6g} to {high:.6g} mm; faces: {kinds}")
     lines.append(f"axis: {', '.join(found.candidates) if axis is None else axis}")
     for c in found.cylinders:
-        lines.append(f"  R {c.radius:.6g} mm {'outside' if c.external else 'bore'}, {c.area:.5g} mm2, solid(s) {list(c.solids)}")
+        lines.append(
+            f"  R {c.radius:.6g} mm {'outside' if c.external else 'bore'}, {c.area:.5g} mm2, solid(s) {list(c.solids)}"
+        )
     chosen = "none" if found.substrate_radius is None else f"R {found.substrate_radius:.6g} mm"
     lines.append(f"substrate: {chosen} ({found.substrate_reason})")
     lines += [f"warning: {warning}" for warning in found.warnings]
@@ -97,26 +104,41 @@ def plan(
     layer_thickness: Annotated[float | None, typer.Option("-t", "--layer-thickness", help="Layer thickness t, mm.")] = None,
     step_over: Annotated[float | None, typer.Option("-d", "--step-over", help="Step-over d between bead centres, mm.")] = None,
     out: Annotated[Path, typer.Option("-o", "--out", help="Folder to write to.")] = Path("out"),
-    process: Annotated[Path | None, typer.Option("--process", help="TOML file with process parameters; options overrule it.")] = None,
-    width: Annotated[float | None, typer.Option("-w", "--bead-width", help="Bead width w, mm (default 1.44 d).")] = None,
-    inset: Annotated[float | None, typer.Option("--inset", help="Outermost bead centres inside of the outline, mm (default w/2).")] = None,
-    contours: Annotated[int | None, typer.Option("--contours", help="Beads along the outline before hatching (default 0).")] = None,
-    angle: Annotated[
-        list[float] | None, typer.Option("--angle", help="Hatch angle, degrees from the circumference; repeated: layer by layer in turn.")
+    process: Annotated[
+        Path | None, typer.Option("--process", help="TOML file with process parameters; options overrule it.")
     ] = None,
-    angle_step: Annotated[float | None, typer.Option("--angle-step", help="Turn the hatch by this many degrees from layer to layer.")] = None,
+    width: Annotated[float | None, typer.Option("-w", "--bead-width", help="Bead width w, mm (default 1.44 d).")] = None,
+    inset: Annotated[
+        float | None, typer.Option("--inset", help="Outermost bead centres inside of the outline, mm (default w/2).")
+    ] = None,
+    contours: Annotated[
+        int | None, typer.Option("--contours", help="Beads along the outline before hatching (default 0).")
+    ] = None,
+    angle: Annotated[
+        list[float] | None,
+        typer.Option("--angle", help="Hatch angle, degrees from the circumference; repeated: layer by layer in turn."),
+    ] = None,
+    angle_step: Annotated[
+        float | None, typer.Option("--angle-step", help="Turn the hatch by this many degrees from layer to layer.")
+    ] = None,
     one_way: Annotated[bool, typer.Option("--one-way", help="Lay all hatch beads in the same direction.")] = False,
     speed: Annotated[float | None, typer.Option("--speed", help="Deposition speed, mm/s (default 9).")] = None,
     chord: Annotated[float | None, typer.Option("--chord", help="Tolerance of sampled curves, mm (default 0.01).")] = None,
-    last_layer: Annotated[str | None, typer.Option("--last-layer", help="If the height is no multiple of t: keep, drop or stretch.")] = None,
-    cut_at: Annotated[str | None, typer.Option("--cut-at", help="Cut layers at the bottom (default) or the middle of their thickness.")] = None,
+    last_layer: Annotated[
+        str | None, typer.Option("--last-layer", help="If the height is no multiple of t: keep, drop or stretch.")
+    ] = None,
+    cut_at: Annotated[
+        str | None, typer.Option("--cut-at", help="Cut layers at the bottom (default) or the middle of their thickness.")
+    ] = None,
     layers: Annotated[str | None, typer.Option("--layers", help="Plan only layers a:b (from 0, b not included).")] = None,
     engine: Annotated[str, typer.Option("--engine", help="analytic (default) or boolean.")] = "analytic",
     axis: AxisText = None,
     substrate: SubstrateRadius = None,
     solid: SolidNames = None,
     unit: Unit = None,
-    allow_failed: Annotated[bool, typer.Option("--allow-failed", help="Write the toolpath even if some layers failed.")] = False,
+    allow_failed: Annotated[
+        bool, typer.Option("--allow-failed", help="Write the toolpath even if some layers failed.")
+    ] = False,
     step: Annotated[bool, typer.Option("--step", help="Also write the beads as STEP wires.")] = False,
     dxf: Annotated[bool, typer.Option("--dxf", help="Also write the unrolled layers as DXF.")] = False,
 ) -> None:

@@ -107,10 +107,14 @@ def plan(
     stack = stack_layers(chosen.radius, highest, process)
     numbers = range(len(stack.radii))[slice(*layers)] if layers is not None else range(len(stack.radii))
     if not numbers:
-        raise InputError(f"{part.source}: layers {layers} are none of the {len(stack.radii)} layers; give a:b within 0:{len(stack.radii)}")
+        raise InputError(
+            f"{part.source}: layers {layers} are none of the {len(stack.radii)} layers; give a:b within 0:{len(stack.radii)}"
+        )
     cut = _cut(solids, stack, numbers, chosen, Engine(engine), progress)
     if all(not isinstance(layer, FailedLayer) and layer.region.is_empty for layer in cut):
-        raise PlanningError(f"{part.source}: no layer meets any metal outside of R {chosen.radius:.6g} mm; check axis and substrate")
+        raise PlanningError(
+            f"{part.source}: no layer meets any metal outside of R {chosen.radius:.6g} mm; check axis and substrate"
+        )
     fills = tuple(fill_layer(layer, process) for layer in cut)
     standing = obstacles_of([s.brep for s in solids if s.index in chosen.solids], chosen.radius)
     toolpath = lift_layers(_deposits(cut, fills, stack), motion_of(process), axis, standing)

@@ -134,4 +134,3 @@ def ends_at_inset(outline: Outline, points: Array, outwards: Array, *, inset: fl
     gap, _ = outline.distances(points + moved[:, None] * outwards)
     moved = np.where(gap >= inset - 1e-10, moved, best)
     return points + moved[:, None] * outwards
-

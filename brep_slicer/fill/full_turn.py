@@ -78,7 +78,11 @@ def join_across_seam(stretches: Stretches, inset: Inset, k: int) -> list[tuple[A
     comes_in = np.abs(starts[:, 0] - window[0]) < span
     goes_out = np.abs(ends[:, 0] - window[1]) < span
     # leaving at kappa = cut + L on line m is coming in at kappa = cut on the line that lies k spacings higher there
-    entry = {(int(m), round(float(v), 6)): i for i, (m, v) in enumerate(zip(stretches.line, starts[:, 1], strict=True)) if comes_in[i]}
+    entry = {
+        (int(m), round(float(v), 6)): i
+        for i, (m, v) in enumerate(zip(stretches.line, starts[:, 1], strict=True))
+        if comes_in[i]
+    }
     following = np.full(len(starts), -1)
     for i in np.flatnonzero(goes_out):
         m, v = int(stretches.line[i]) + k, float(ends[i, 1])

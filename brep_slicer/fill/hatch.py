@@ -41,10 +41,7 @@ class Hatch(Pattern):
         starts, ends = edges_of(inset.polygons)
         phase = _phase(cell, inset, starts, angle, spacing, k)
         stretches = cut_lines(starts, ends, angle=angle, spacing=spacing, phase=phase)
-        if cell.piece.winds:
-            lines = join_across_seam(stretches, inset, k)
-        else:
-            lines = [(p, False) for p in stretches.points]
+        lines = join_across_seam(stretches, inset, k) if cell.piece.winds else [(p, False) for p in stretches.points]
         if not lines:
             return CellFill(beads=(), inset=cell.inset, angle=angle, step_over=spacing)
         points = _sharp_ends(cell, inset, lines, angle)

@@ -109,7 +109,9 @@ def fill_region(
             notes.append(f"piece {index}: {len(made.beads) - len(long)} beads shorter than {shortest_bead:g} mm left out")
         if not long:
             area = piece.area()
-            notes.append(f"piece {index} ({area:.4g} mm2) is too narrow for a bead {inset:g} mm inside of its outline: left bare")
+            notes.append(
+                f"piece {index} ({area:.4g} mm2) is too narrow for a bead {inset:g} mm inside of its outline: left bare"
+            )
         beads += long
         angles.append(float("nan") if made.angle is None else made.angle)
         steps.append(step_over if made.step_over is None else made.step_over)

@@ -5,6 +5,8 @@ In: a Plan. Out: pictures. Deposition is red and repositioning blue, as in the p
 
 from __future__ import annotations
 
+import itertools
+import json
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,6 +19,7 @@ from brep_slicer.region import Layer
 from brep_slicer.toolpath import Toolpath
 
 from .atomic import write_whole
+from .report import header_of_plan
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,7 +47,7 @@ def draw_layers(plan: Plan, path: str | Path) -> Path:
     shown = "" if len(chosen) == len(plan.layers) else f" ({len(chosen)} of {len(plan.layers)} shown)"
     title = f"{Path(plan.part.source).name}: unrolled layers{shown} · deposition red, repositioning blue"
     figure.suptitle(title, fontsize=11)
-    return write_whole(path, lambda temporary: figure.savefig(temporary))
+    return write_whole(path, lambda temporary: figure.savefig(temporary, metadata=_metadata(plan)))
 
 
 def draw_layer(axes: Axes, layer: Layer, fill: LayerFill) -> None:
@@ -89,19 +92,24 @@ def _shown(points: Array, layer: Layer) -> Array:
 def _broken(points: Array, period: float) -> Array:
     """The chain cut at every seam it crosses, with NaN between the parts."""
     out = [points[:1] - [np.floor(points[0, 0] / period + 0.5) * period, 0.0]]
-    for a, b in zip(points[:-1], points[1:], strict=True):
+    for a, b in itertools.pairwise(points):
         low, high = sorted((a[0], b[0]))
         seams = np.arange(np.floor(low / period + 0.5), np.ceil(high / period - 0.5) + 1) * period + 0.5 * period
         seams = seams[(seams > low) & (seams < high)]
         share = np.sort((seams - a[0]) / (b[0] - a[0])) if len(seams) else np.zeros(0)
         knots = np.concatenate([[0.0], share, [1.0]])
-        for s0, s1 in zip(knots[:-1], knots[1:], strict=True):
+        for s0, s1 in itertools.pairwise(knots):
             ends = np.array([a + s * (b - a) for s in (s0, s1)])
             turn = np.floor((0.5 * (ends[0, 0] + ends[1, 0])) / period + 0.5)
             if s0 > 0.0:
                 out += [np.full((1, 2), np.nan), ends[:1] - [turn * period, 0.0]]
             out.append(ends[1:] - [turn * period, 0.0])
     return np.concatenate(out)
+
+
+def _metadata(plan: Plan) -> dict[str, str]:
+    """Text that a PNG carries along: version, part, parameters."""
+    return {"Software": "brep_slicer", "Description": json.dumps(header_of_plan(plan))}
 
 
 def _spread(count: int, most: int) -> list[int]:
@@ -147,8 +155,10 @@ def draw_toolpath(plan: Plan, path: str | Path) -> Path:
     axes.set_ylabel("y, mm")
     axes.set_zlabel("z, mm")
     axes.view_init(elev=24, azim=-58)
-    figure.suptitle(f"{Path(plan.part.source).name}: {len(plan.layers)} layers on R {plan.substrate.radius:.6g} mm", fontsize=12)
-    return write_whole(path, lambda temporary: figure.savefig(temporary))
+    figure.suptitle(
+        f"{Path(plan.part.source).name}: {len(plan.layers)} layers on R {plan.substrate.radius:.6g} mm", fontsize=12
+    )
+    return write_whole(path, lambda temporary: figure.savefig(temporary, metadata=_metadata(plan)))
 
 
 def _segments(toolpath: Toolpath) -> tuple[Array, Array]:

@@ -49,7 +49,9 @@ def report_of_plan(plan: Plan) -> dict[str, Any]:
     total["volume_mm3"] = math.fsum(layer.area * (layer.thickness or 0.0) for layer in whole)
     return {
         **header_of_plan(plan),
-        "solids": [{"index": s.index, "name": s.name, "stands_already": s.index in plan.substrate.solids} for s in plan.part.solids],
+        "solids": [
+            {"index": s.index, "name": s.name, "stands_already": s.index in plan.substrate.solids} for s in plan.part.solids
+        ],
         "axis_was_given": plan.axis_was_given,
         "substrate": {
             "radius_mm": plan.substrate.radius,
@@ -109,6 +111,9 @@ def _layers(plan: Plan) -> list[dict[str, Any]]:
             "notes": list(fill.notes),
         }
         mine = paths.get(layer.index, {})
-        row |= {key: mine.get(key, 0) for key in ("beads", "deposition_length_mm", "travel_length_mm", "deposition_time_s", "travel_time_s")}
+        row |= {
+            key: mine.get(key, 0)
+            for key in ("beads", "deposition_length_mm", "travel_length_mm", "deposition_time_s", "travel_time_s")
+        }
         out.append(row)
     return out

@@ -17,16 +17,30 @@ from brep_slicer.toolpath import COLUMNS, KINDS, Toolpath
 FORMAT = "brep_slicer toolpath 1"
 
 
-def csv_from_toolpath(toolpath: Toolpath, header: dict[str, Any]) -> str:
-    """The table of DESIGN section 5: comment lines with what was planned, one line of names, one line a point."""
-    lines = [f"# {key}: {json.dumps(value)}" for key, value in header.items()]
-    lines.append(",".join(COLUMNS))
+UNITS = {"x": "mm", "y": "mm", "z": "mm", "kappa": "mm", "v": "mm", "radius": "mm", "speed": "mm/s"}
+
+
+def csv_from_toolpath(toolpath: Toolpath) -> str:
+    """The table of DESIGN section 5: one line of names, one line a point."""
+    lines = [",".join(COLUMNS)]
     numbers = np.column_stack([toolpath.points, toolpath.normals, toolpath.kappa, toolpath.v, toolpath.radius, toolpath.speed])
     kinds = np.where(toolpath.deposits, KINDS[0], KINDS[1]).tolist()
     rows = zip(toolpath.layer.tolist(), toolpath.bead.tolist(), kinds, numbers.tolist(), strict=True)
     # repr of a float is the shortest text that reads back to it
     lines += [f"{layer},{bead},{kind},{','.join(map(repr, row))}" for layer, bead, kind, row in rows]
     return "\n".join(lines) + "\n"
+
+
+def csv_metadata(header: dict[str, Any]) -> str:
+    """What stands beside the table, by the W3C's "CSV on the Web": its columns and units, and what was planned."""
+    columns = [{"name": name, "titles": name, **({"unit": UNITS[name]} if name in UNITS else {})} for name in COLUMNS]
+    described = {
+        "@context": "http://www.w3.org/ns/csvw",
+        "url": "toolpath.csv",
+        "tableSchema": {"columns": columns},
+        "notes": [header],
+    }
+    return json.dumps(described, indent=1, allow_nan=False) + "\n"
 
 
 def json_from_toolpath(toolpath: Toolpath, header: dict[str, Any]) -> str:

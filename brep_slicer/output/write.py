@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from .atomic import ensure_folder, write_text
 from .pictures import draw_layers, draw_toolpath
 from .report import header_of_plan
-from .tables import csv_from_toolpath, json_from_toolpath
+from .tables import csv_from_toolpath, csv_metadata, json_from_toolpath
 
 if TYPE_CHECKING:
     from brep_slicer.plan import Plan
@@ -42,7 +42,8 @@ def write_plan(
     if plan.failed and not allow_failed:
         return written
     header = header_of_plan(plan)
-    written.append(write_text(place / "toolpath.csv", csv_from_toolpath(plan.toolpath, header)))
+    written.append(write_text(place / "toolpath.csv", csv_from_toolpath(plan.toolpath)))
+    written.append(write_text(place / "toolpath.csv-metadata.json", csv_metadata(header)))
     written.append(write_text(place / "toolpath.json", json_from_toolpath(plan.toolpath, header)))
     if pictures:
         written.append(draw_layers(plan, place / "layers.png"))

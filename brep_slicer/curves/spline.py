@@ -14,6 +14,7 @@ import numpy as np
 from brep_slicer.maps import Array
 
 from .base import Curve, CurveKind, frozen_array
+from .line import LineCurve
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -136,6 +137,19 @@ def spline_through_nodes(nodes: Array, breaks: Array, *, residual: float = 0.0, 
     coefficients = np.einsum("ij,mjk->mik", _bernstein_from_nodes(degree), nodes)
     coefficients[:, 0], coefficients[:, -1] = nodes[:, 0], nodes[:, -1]
     return SplineCurve(coefficients=coefficients, breaks=breaks, residual=residual, face=face)
+
+
+def straightened(curve: SplineCurve, tolerance: float) -> Curve:
+    """The straight line that a spline is, if its control points lie on one within `tolerance` (mm) and run forwards."""
+    p = curve.coefficients.reshape(-1, 2)
+    along = p[-1] - p[0]
+    size = float(np.hypot(*along))
+    if size <= tolerance:
+        return curve
+    off = np.abs(along[0] * (p[:, 1] - p[0, 1]) - along[1] * (p[:, 0] - p[0, 0])) / size
+    if off.max() > tolerance or (np.diff(p @ along) < -tolerance * size).any():
+        return curve
+    return LineCurve(p0=p[0], p1=p[-1], face=curve.face)
 
 
 def span_nodes(degree: int) -> Array:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from brep_slicer.geometry import Brep, Face, SurfaceKind
+from brep_slicer.geometry.trimming import trimming_of
 from brep_slicer.maps import Array
 
 from .monotone import EdgeStretches
@@ -28,48 +29,51 @@ MERGE = 1e-9
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Critical:
-    """`radii` (n,), increasing, mm; `level` (m,) those of coaxial cylinder faces; `lowest` and `highest` of the solid."""
+    """`radii` (n,), increasing, mm; `level` (m,) those of coaxial cylinder faces; `lowest` and `highest` of the solid.
+
+    `inside` holds for each face the radii of its stationary points away from its edges: only there, and on faces with
+    several loops, can a section close on itself without meeting an edge.
+    """
 
     radii: Array
     level: Array
+    inside: tuple[Array, ...]
     lowest: float
     highest: float
 
 
 def critical_radii(brep: Brep, stretches: EdgeStretches) -> Critical:
     """Every critical radius of a solid."""
-    inside = [_face_extremes(face) for face in brep.faces]
+    inside = [_inside(face, _face_extremes(face)) for face in brep.faces]
     level = stretches.face_level[np.isfinite(stretches.face_level)]
     rings = stretches.edge_level[np.isfinite(stretches.edge_level)]
     everything = np.concatenate([stretches.vertex_rho, stretches.extremes, rings, level, *inside])
     radii = np.unique(everything)
     radii = radii[np.diff(radii, prepend=-np.inf) > MERGE]
-    lowest = 0.0 if _holds_axis(brep) else float(radii.min())
-    return Critical(radii=radii, level=np.unique(level), lowest=lowest, highest=float(radii.max()))
+    lowest = 0.0 if radii[0] < MERGE else float(radii[0])
+    return Critical(radii=radii, level=np.unique(level), inside=tuple(inside), lowest=lowest, highest=float(radii.max()))
 
 
-def _holds_axis(brep: Brep) -> bool:
-    """Whether the axis runs through metal somewhere: the flux of e_rho / rho over the solid's boundary tells."""
-    # a face that crosses the axis has a point at rho = 0: its own extreme, or a vertex
-    return bool(radii_of(brep.vertices).min(initial=np.inf) < MERGE) or any(_touches_axis(face) for face in brep.faces)
-
-
-def _touches_axis(face: Face) -> bool:
-    return bool(_face_extremes(face).min(initial=np.inf) < 1e-6)
+def _inside(face: Face, uv: Array) -> Array:
+    """Radii of those stationary points that lie inside of the face's outline."""
+    if not len(uv):
+        return np.zeros(0)
+    rho = radii_of(face.surface.points(uv))
+    return np.unique(np.round(rho[trimming_of(face).contains(uv)], 10))
 
 
 def _face_extremes(face: Face) -> Array:
-    """Radii of the points inside of a face's box where rho is stationary along the face (found by Newton from a grid)."""
+    """Parameters (n, 2) inside of a face's box where rho is stationary along the face (found by Newton from a grid)."""
     surface = face.surface
     if surface.kind in (SurfaceKind.PLANE, SurfaceKind.EXTRUSION) and not _pierced(face):
-        return np.zeros(0)
+        return np.zeros((0, 2))
     bu, bv = surface.breaks(face.box)
     seeds = [_spread(b) for b in (bu, bv)]
     uv = np.stack(np.meshgrid(*seeds, indexing="ij"), axis=-1).reshape(-1, 2)
     size = face.box[1] - face.box[0]
     step = 1e-5 * np.array([np.diff(bu).min(), np.diff(bv).min()])
     if not (size > 0.0).all():
-        return np.zeros(0)
+        return np.zeros((0, 2))
     for _ in range(12):
         g = _gradient(face, uv)
         h = np.empty((len(uv), 2, 2))
@@ -81,7 +85,7 @@ def _face_extremes(face: Face) -> Array:
         good = np.abs(det) > 1e-12 * (np.abs(h).max(axis=(1, 2)) ** 2 + 1e-300)
         uv, g, h, det = uv[good], g[good], h[good], det[good]
         if len(uv) == 0:
-            return np.zeros(0)
+            return uv
         move = np.stack([h[:, 1, 1] * g[:, 0] - h[:, 0, 1] * g[:, 1], h[:, 0, 0] * g[:, 1] - h[:, 1, 0] * g[:, 0]], axis=1)
         move = -move / det[:, None]
         move *= np.minimum(1.0, 0.2 / np.maximum(np.abs(move / size).max(axis=1), 1e-300))[:, None]
@@ -91,13 +95,13 @@ def _face_extremes(face: Face) -> Array:
     inside = ((uv >= face.box[0]) & (uv <= face.box[1])).all(axis=1)
     uv = uv[inside]
     if len(uv) == 0:
-        return np.zeros(0)
+        return uv
     p, su, sv = surface.derivatives(uv)
     rho = radii_of(p)
     g = np.stack([(p[:, :2] * su[:, :2]).sum(axis=1), (p[:, :2] * sv[:, :2]).sum(axis=1)], axis=1)
     sizes = np.stack([np.linalg.norm(su, axis=1), np.linalg.norm(sv, axis=1)], axis=1)
     flat = (np.abs(g) <= max(FLAT, 1e-9) * np.maximum(rho, 1e-6)[:, None] * np.maximum(sizes, 1e-300) * 100.0).all(axis=1)
-    return np.unique(np.round(rho[flat], 10))
+    return uv[flat]
 
 
 def _gradient(face: Face, uv: Array) -> Array:

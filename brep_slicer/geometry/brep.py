@@ -29,11 +29,15 @@ class Edge:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class EdgeUse:
-    """Edge number `edge` in a face's boundary; `forward` if the boundary runs along rising parameters."""
+    """Edge number `edge` in a face's boundary; `forward` if the boundary runs along rising parameters.
+
+    `range` is the pcurve's first and last parameter (of a degenerate edge, which has no curve in space, too).
+    """
 
     edge: int
     forward: bool
     pcurve: EdgeCurve | None
+    range: tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

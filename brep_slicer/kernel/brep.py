@@ -128,9 +128,17 @@ def _loop(wire: Any, face: Any, maps: Any, errors: list[float]) -> tuple[EdgeUse
     while explorer.More():
         edge = as_edge(explorer.Current())
         if edge.Orientation() in (TopAbs_FORWARD, TopAbs_REVERSED):
-            pcurve = curve_from_adaptor(BRepAdaptor_Curve2d(edge, face), 2, errors)
+            adaptor = BRepAdaptor_Curve2d(edge, face)
+            pcurve = curve_from_adaptor(adaptor, 2, errors)
             number = maps[TopAbs_EDGE].FindIndex(edge) - 1
-            uses.append(EdgeUse(edge=number, forward=edge.Orientation() == TopAbs_FORWARD, pcurve=pcurve))
+            uses.append(
+                EdgeUse(
+                    edge=number,
+                    forward=edge.Orientation() == TopAbs_FORWARD,
+                    pcurve=pcurve,
+                    range=(adaptor.FirstParameter(), adaptor.LastParameter()),
+                )
+            )
         explorer.Next()
     return tuple(uses)
 

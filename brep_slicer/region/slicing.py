@@ -6,6 +6,7 @@ In: a part, radii, an axis. Out: one Layer or FailedLayer per radius.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from brep_slicer.errors import LayerError
 from brep_slicer.part import as_part
 from brep_slicer.process import check_radii
 from brep_slicer.section import Certificate, CutSolid, Engine, cut_solids
+from brep_slicer.section.analytic import sections_by_analysis
 from brep_slicer.section.boolean import section_by_boolean
 from brep_slicer.substrate.axis import Axis, find_axis
 
@@ -87,15 +89,25 @@ def slice_solids(
 
 def _sections(solid: CutSolid, radii: Sequence[float], engine: Engine) -> Callable[[int], Section]:
     """A solid's section at radius number i (the analytic engine finds all of them at once, the other one by one)."""
+    ahead = sections_by_analysis(solid, np.asarray(radii)) if engine is Engine.ANALYTIC else None
 
-    def by_boolean(i: int) -> Section:
+    def section(i: int) -> Section:
+        reason = ""
+        if ahead is not None:
+            try:
+                found = ahead[i]
+                if not isinstance(found, LayerError):
+                    return region_from_loops(radii[i], found[0]), found[1]
+                reason = str(found)
+            except LayerError as error:
+                reason = str(error)
         try:
             loops, certificate = section_by_boolean(solid.wrapped, radii[i], critical=solid.critical.radii)
-            return region_from_loops(radii[i], loops), certificate
+            return region_from_loops(radii[i], loops), replace(certificate, fallback=reason)
         except LayerError as error:
-            return error
+            return LayerError(f"{error}; before that: {reason}" if reason else str(error))
 
-    return by_boolean
+    return section
 
 
 def _layer(index: int, radius: float, sections: dict[int, Section], substrate: set[int]) -> Layer | FailedLayer:

@@ -1,0 +1,249 @@
+"""Faces whose level sets have a closed form: rulings along the axis, circles about it, sinusoids.
+
+In: a face, its nodes, the radii. Out: FaceArcs: curves from node to node, and circles that meet no edge.
+
+Words: *ruling*, a line kappa = const (planes, cylinders and extrusions parallel to the axis); *circle*, a line v = const
+(planes across the axis, coaxial surfaces of revolution).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from brep_slicer.curves import Curve, LineCurve, SinusoidCurve
+from brep_slicer.geometry import Brep, ElementarySurface, Extrusion, Face, Revolution, SurfaceKind
+from brep_slicer.maps import TURN, Array
+
+from .face_nodes import FaceNodes, clusters, pair_along
+
+# Directions are parallel to this (sine of the angle): what is left of a rigid motion's rounding.
+PARALLEL = 1e-12
+# Lines of one layer nearer to each other than this (mm, or rad times mm) are one: above the noise of real edges.
+SAME_LINE = 1e-5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FaceArcs:
+    """Curves on one face, each with its layer, start node and end node (-1 for closed ones), and the layers that failed."""
+
+    curves: list[Curve] = field(default_factory=list)
+    layer: list[int] = field(default_factory=list)
+    start: list[int] = field(default_factory=list)
+    end: list[int] = field(default_factory=list)
+    failed: dict[int, str] = field(default_factory=dict)
+    residual: dict[int, float] = field(default_factory=dict)
+
+    def add(self, curve: Curve, layer: int, start: int, end: int) -> None:
+        """One more."""
+        self.curves.append(curve)
+        self.layer.append(layer)
+        self.start.append(start)
+        self.end.append(end)
+
+
+Solver = Callable[[Face, FaceNodes, Array], FaceArcs]
+
+
+def closed_form_of(face: Face) -> Solver | None:
+    """The solver for a face's kind of surface and its place to the axis, or None if there is no closed form here."""
+    surface = face.surface
+    if isinstance(surface, ElementarySurface):
+        across = float(np.hypot(*surface.frame[2, :2]))
+        coaxial = across <= PARALLEL and float(np.hypot(*surface.origin[:2])) <= 1e-9
+        if surface.kind is SurfaceKind.PLANE:
+            return (
+                _circles_on_plane
+                if across <= PARALLEL
+                else _rulings_on_plane
+                if abs(surface.frame[2, 2]) <= PARALLEL
+                else _sinusoids
+            )
+        if coaxial or (surface.kind is SurfaceKind.SPHERE and float(np.hypot(*surface.origin[:2])) <= 1e-9):
+            return None if surface.kind is SurfaceKind.SPHERE and across > PARALLEL else _circles_of_revolution
+        if surface.kind is SurfaceKind.CYLINDER and across <= PARALLEL:
+            return _rulings_on_cylinder
+    if isinstance(surface, Extrusion) and float(np.hypot(*surface.direction[:2])) <= PARALLEL:
+        return _rulings_on_extrusion
+    if isinstance(surface, Revolution):
+        across, off = float(np.hypot(*surface.axis[:2])), float(np.hypot(*surface.origin[:2]))
+        if across <= PARALLEL and off <= 1e-9:
+            return _circles_of_revolution
+    return None
+
+
+def outward_normals(face: Face, uv: Array) -> Array:
+    """Unit normals (n, 3) that point out of the solid."""
+    _, su, sv = face.surface.derivatives(uv)
+    normal = face.sign * np.cross(su, sv)
+    return normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+
+
+def _centre_normal(face: Face) -> Array:
+    return outward_normals(face, face.box.mean(axis=0)[None, :])[0]
+
+
+def _fail(arcs: FaceArcs, layers: Array, face: Face) -> None:
+    for layer in layers.tolist():
+        arcs.failed[layer] = f"the crossings on face {face.index} do not pair up"
+
+
+def _rulings(face: Face, found: FaceNodes, radii: Array, component: Array, way: Array, theta: Array) -> FaceArcs:
+    """Arcs along lines kappa = const; `way` (n,) is +1 where the section runs upwards, `theta` (n,) the line's angle."""
+    pairs = pair_along(found, component, way * found.z, cyclic=False)
+    arcs = FaceArcs()
+    _fail(arcs, pairs.bad, face)
+    kappa = radii[found.layer] * theta
+    for i, j in zip(pairs.start.tolist(), pairs.end.tolist(), strict=True):
+        curve = LineCurve(p0=(kappa[i], found.z[i]), p1=(kappa[i], found.z[j]), face=face.index)
+        arcs.add(curve, int(found.layer[i]), int(found.node[i]), int(found.node[j]))
+    return arcs
+
+
+def _two_lines(found: FaceNodes, radii: Array, middle: float, cosine: Array) -> tuple[Array, Array]:
+    """Side (+1, -1) and angle of the two lines at middle +- acos(cosine)."""
+    side = np.where(np.mod(found.theta - middle + np.pi, TURN) >= np.pi, 1.0, -1.0)
+    return side, middle + side * np.arccos(np.clip(cosine, -1.0, 1.0))
+
+
+def _rulings_on_plane(face: Face, found: FaceNodes, radii: Array) -> FaceArcs:
+    normal = _centre_normal(face)
+    assert isinstance(face.surface, ElementarySurface)
+    distance = float(normal @ face.surface.origin)
+    middle = float(np.arctan2(normal[1], normal[0]))
+    side, theta = _two_lines(found, radii, middle, distance / radii[found.layer])
+    # T_v = n . e_theta = -sin(theta - middle)
+    return _rulings(face, found, radii, side, -side, theta)
+
+
+def _rulings_on_cylinder(face: Face, found: FaceNodes, radii: Array) -> FaceArcs:
+    surface = face.surface
+    assert isinstance(surface, ElementarySurface)
+    r = radii[found.layer]
+    offset = float(np.hypot(*surface.origin[:2]))
+    middle = float(np.arctan2(surface.origin[1], surface.origin[0]))
+    side, theta = _two_lines(found, radii, middle, (r * r + offset**2 - surface.radius**2) / (2.0 * r * offset))
+    centre = face.box.mean(axis=0)[None, :]
+    away = surface.points(centre)[0] - surface.origin
+    outward = np.sign(away[:2] @ outward_normals(face, centre)[0, :2])
+    return _rulings(face, found, radii, side, outward * side, theta)
+
+
+def _rulings_on_extrusion(face: Face, found: FaceNodes, radii: Array) -> FaceArcs:
+    normal = outward_normals(face, found.uv)
+    along = -np.sin(found.theta) * normal[:, 0] + np.cos(found.theta) * normal[:, 1]
+    span = float(face.box[1, 0] - face.box[0, 0])
+    return _rulings(face, found, radii, clusters(found.layer, found.uv[:, 0], 1e-6 * span), np.sign(along), found.theta)
+
+
+def _round(face: Face, found: FaceNodes, radii: Array, component: Array, way: Array, make) -> FaceArcs:
+    """Arcs along curves that go round the axis; `way` (n,) is +1 where theta rises along the section."""
+    pairs = pair_along(found, component, way * found.theta, cyclic=True)
+    arcs = FaceArcs()
+    _fail(arcs, pairs.bad, face)
+    turn = np.mod(way[pairs.start] * (found.theta[pairs.end] - found.theta[pairs.start]), TURN)
+    turn = np.where(found.node[pairs.start] == found.node[pairs.end], TURN, turn)
+    theta0 = found.theta[pairs.start]
+    theta1 = theta0 + way[pairs.start] * turn
+    for k, (i, j) in enumerate(zip(pairs.start.tolist(), pairs.end.tolist(), strict=True)):
+        layer = int(found.layer[i])
+        arcs.add(make(layer, i, float(theta0[k]), float(theta1[k])), layer, int(found.node[i]), int(found.node[j]))
+    return arcs
+
+
+def _line_at(face: Face, radii: Array, height: Array):
+    def make(layer: int, row: int, theta0: float, theta1: float) -> Curve:
+        r, v = float(radii[layer]), float(height[row])
+        return LineCurve(p0=(r * theta0, v), p1=(r * theta1, v), face=face.index)
+
+    return make
+
+
+def _circles_on_plane(face: Face, found: FaceNodes, radii: Array) -> FaceArcs:
+    surface = face.surface
+    assert isinstance(surface, ElementarySurface)
+    way = -np.sign(_centre_normal(face)[2])
+    height = np.full(len(found), surface.origin[2])
+    return _round(face, found, radii, np.zeros(len(found)), np.full(len(found), way), _line_at(face, radii, height))
+
+
+def _circles_of_revolution(face: Face, found: FaceNodes, radii: Array) -> FaceArcs:
+    way = -np.sign(outward_normals(face, found.uv)[:, 2])
+    # both ends of an arc are given the height of the first node on its circle: one line v = const
+    component = clusters(found.layer, found.z, SAME_LINE)
+    _, first, where = np.unique(component, return_index=True, return_inverse=True)
+    return _round(face, found, radii, component, way, _line_at(face, radii, found.z[first][where]))
+
+
+def _sinusoids(face: Face, found: FaceNodes, radii: Array) -> FaceArcs:
+    normal = _centre_normal(face)
+    way = -np.sign(normal[2])
+
+    def make(layer: int, row: int, theta0: float, theta1: float) -> Curve:
+        return sinusoid_on_plane(face, float(radii[layer]), theta0, theta1)
+
+    return _round(face, found, radii, np.zeros(len(found)), np.full(len(found), way), make)
+
+
+def sinusoid_on_plane(face: Face, radius: float, theta0: float, theta1: float) -> SinusoidCurve:
+    """The section of an oblique plane with the cylinder, from theta0 to theta1."""
+    assert isinstance(face.surface, ElementarySurface)
+    a, b, n = _centre_normal(face)
+    c = float(_centre_normal(face) @ face.surface.origin)
+    coefficients = np.array([c / n, -a * radius / n, -b * radius / n])
+    return SinusoidCurve(coefficients=coefficients, radius=radius, range=(radius * theta0, radius * theta1), face=face.index)
+
+
+def loops_on_planes(brep: Brep, face: Face, radii: Array, busy: set[int], level: Array, vertex_rho: Array) -> FaceArcs:
+    """Circles and sinusoids that lie on a plane face and meet none of its edges, in the layers that are not `busy`.
+
+    The curve at R lies on the face if the face's loops outside of R wind round the axis (an outline without a hole inside
+    of R, or one hole less than outlines).
+    """
+    arcs = FaceArcs()
+    normal = _centre_normal(face)
+    if (
+        not isinstance(face.surface, ElementarySurface)
+        or face.surface.kind is not SurfaceKind.PLANE
+        or abs(normal[2]) <= PARALLEL
+    ):
+        return arcs
+    loops = [(*_range_and_winding(brep, loop, level, vertex_rho),) for loop in face.loops]
+    if not any(winding for *_, winding in loops):
+        return arcs
+    from brep_slicer.field import SNAP
+
+    for layer, radius in enumerate(radii.tolist()):
+        if layer in busy:
+            continue
+        around = sum(winding for low, _, winding in loops if low > radius + SNAP)
+        if around == 0:
+            continue
+        way = -np.sign(normal[2])
+        curve = sinusoid_on_plane(face, radius, 0.0, way * TURN)
+        if np.hypot(*curve.coefficients[1:]) <= 1e-12 * radius:
+            v = float(face.surface.origin[2])
+            arcs.add(LineCurve(p0=(0.0, v), p1=(way * TURN * radius, v), face=face.index), layer, -1, -1)
+        else:
+            arcs.add(curve, layer, -1, -1)
+    return arcs
+
+
+def _range_and_winding(brep: Brep, loop, level: Array, vertex_rho: Array) -> tuple[float, float, int]:
+    """Lowest and highest effective radius of a loop's vertices and level edges, and how often it goes round the axis."""
+    radii, theta = [], []
+    for use in loop:
+        edge = brep.edges[use.edge]
+        radii += [vertex_rho[v] for v in edge.vertices]
+        if np.isfinite(level[use.edge]):
+            radii.append(level[use.edge])
+        if edge.curve is None:
+            continue
+        t = np.linspace(edge.first, edge.last, 65)
+        p = edge.curve.points(t if use.forward else t[::-1])
+        theta.append(np.arctan2(p[:, 1], p[:, 0]))
+    chain = np.concatenate(theta) if theta else np.zeros(1)
+    total = np.unwrap(np.append(chain, chain[0]))
+    return min(radii), max(radii), round(float(total[-1] - total[0]) / TURN)

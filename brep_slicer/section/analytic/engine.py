@@ -1,0 +1,121 @@
+"""All layers of one solid at once: nodes, arcs on faces, loops, certificates.
+
+In: a CutSolid and radii. Out: for each radius its loops and a certificate, or the reason why this engine does not vouch for it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from brep_slicer.curves import Loop
+from brep_slicer.errors import LayerError
+from brep_slicer.geometry import Face
+from brep_slicer.maps import Array
+from brep_slicer.section.certificate import Certificate, Engine
+from brep_slicer.section.chain import Arc, loops_from_arcs
+from brep_slicer.section.cut_solid import CutSolid
+
+from .closed_forms import FaceArcs, closed_form_of, loops_on_planes
+from .face_nodes import FaceNodes, nodes_on_face
+from .hot_edges import arcs_on_hot_edges, hot_layers
+from .nodes import Nodes, find_nodes
+from .traced_faces import arcs_on_traced_face
+
+# Points of closed forms and of nodes are exact but for rounding, mm.
+ROUNDING = 1e-12
+# Edges of a solid may gape by their tolerance; a jog of this many tolerances is what two faces and an edge can add up to.
+TOLERANCES = 4.0
+
+
+def sections_by_analysis(solid: CutSolid, radii: Array) -> list[tuple[list[Loop], Certificate] | LayerError]:
+    """Cut one solid at increasing radii (n,), mm."""
+    brep, stretches = solid.brep, solid.stretches
+    radii = np.asarray(radii, dtype=np.float64)
+    nodes = find_nodes(brep, stretches, radii)
+    hot = hot_layers(stretches.edge_level, radii)
+    made: list[FaceArcs] = []
+    for face in brep.faces:
+        if np.isfinite(stretches.face_level[face.index]):
+            continue
+        made += _arcs_on_face(solid, face, nodes_on_face(face, nodes), radii, hot)
+    return _assembled(solid, radii, nodes, made)
+
+
+def _arcs_on_face(solid: CutSolid, face: Face, found: FaceNodes, radii: Array, hot: dict[int, list[int]]) -> list[FaceArcs]:
+    brep, stretches = solid.brep, solid.stretches
+    out = []
+    busy = set(found.layer.tolist())
+    if hot and len(found):
+        arcs, free = arcs_on_hot_edges(brep, face, found, radii, hot)
+        if not free.all():
+            out.append(arcs)
+            found = found.select(free)
+    solve = closed_form_of(face)
+    if solve is not None:
+        if len(found):
+            out.append(solve(face, found, radii))
+        out.append(loops_on_planes(brep, face, radii, busy, stretches.edge_level, stretches.vertex_rho))
+        return out
+    closed = len(face.loops) > 1 or len(solid.critical.inside[face.index]) > 0
+    if len(found) or closed:
+        out.append(arcs_on_traced_face(face, found, radii, closed=closed))
+    return out
+
+
+def _assembled(
+    solid: CutSolid, radii: Array, nodes: Nodes, made: list[FaceArcs]
+) -> list[tuple[list[Loop], Certificate] | LayerError]:
+    arcs: list[list[Arc]] = [[] for _ in radii]
+    failed: dict[int, str] = {}
+    residual = np.full(len(radii), ROUNDING)
+    for face_arcs in made:
+        for curve, layer, start, end in zip(face_arcs.curves, face_arcs.layer, face_arcs.start, face_arcs.end, strict=True):
+            arcs[layer].append(Arc(curve=curve, start=start, end=end))
+        failed.update({layer: reason for layer, reason in face_arcs.failed.items() if layer not in failed})
+        for layer, value in face_arcs.residual.items():
+            residual[layer] = max(residual[layer], value)
+    counts = np.bincount(nodes.layer, minlength=len(radii))
+    level = solid.critical.level
+    out: list[tuple[list[Loop], Certificate] | LayerError] = []
+    for layer, radius in enumerate(radii.tolist()):
+        if layer in failed:
+            out.append(LayerError(failed[layer]))
+            continue
+        coincident = bool(len(level)) and float(np.abs(level - radius).min()) <= 1e-6
+        try:
+            out.append(_certified(solid, radius, arcs[layer], int(counts[layer]), float(residual[layer]), coincident))
+        except LayerError as error:
+            out.append(error)
+    return out
+
+
+def _certified(
+    solid: CutSolid, radius: float, arcs: list[Arc], nodes: int, residual: float, coincident: bool
+) -> tuple[list[Loop], Certificate]:
+    """Chain one layer and check it.
+
+    Raises
+    ------
+    LayerError
+        If a node is not met exactly twice, a loop does not close, or a jog is larger than the edges' tolerances allow.
+    """
+    crossings = [arc.start for arc in arcs if 0 <= arc.start < 1 << 40]
+    if len(crossings) != nodes or len(set(crossings)) != nodes:
+        raise LayerError(f"{nodes} edge crossings, but {len(crossings)} arcs begin at one")
+    loops = loops_from_arcs(radius, arcs)
+    jog = max((loop.jog() for loop in loops), default=0.0)
+    allowed = TOLERANCES * max((edge.tolerance for edge in solid.brep.edges), default=0.0) + 1e-9
+    if jog > allowed:
+        raise LayerError(f"a jog of {jog:.3g} mm is larger than the edges' tolerances allow ({allowed:.3g} mm)")
+    if sum(loop.winding for loop in loops) != 0:
+        raise LayerError("the loops round the axis do not add up")
+    checks: dict[str, bool | float | str] = {
+        "nodes": nodes,
+        "every_node_met_twice": True,
+        "jog_allowed_mm": allowed,
+        "windings_add_up": True,
+    }
+    certificate = Certificate(
+        engine=Engine.ANALYTIC, residual=max(residual, solid.brep.residual), jog=jog, checks=checks, coincident=coincident
+    )
+    return loops, certificate

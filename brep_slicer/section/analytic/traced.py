@@ -1,0 +1,212 @@
+"""Level curves without a closed form, traced as Bezier spans: all arcs of all layers on a face at once.
+
+In: a surface, pairs of parameters (u, v) that a level curve joins, radii. Out: spans through points that lie on the surface
+and on the cylinder to 1e-10 mm, halved until the curve between them does too.
+
+Words: *span*, a stretch of a level curve, one Bezier curve in the plane; *chord line*, the straight line in (u, v) between a
+span's ends: points of the level curve are sought across it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from brep_slicer.curves.spline import bernstein_basis, span_nodes
+from brep_slicer.field import radii_of
+from brep_slicer.geometry import Surface
+from brep_slicer.maps import TURN, Array
+
+DEGREE = 7
+# Points of a level curve satisfy rho = R to this (mm), a hundred times the rounding of coordinates of a metre.
+ON_LEVEL = 1e-11
+# A span is accepted when the curve passes the checked points between its nodes this near, mm.
+BETWEEN = 5e-10
+# A span is halved this often at most: 2**-16 of the arc.
+MOST_HALVINGS = 16
+NEWTON_STEPS = 14
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Spans:
+    """Bezier spans: `arc` (n,) they belong to, `share` (n, 2) of the arc they cover, `nodes` (n, DEGREE + 1, 2) in (kappa, v);
+    `residual` (n,) in mm, `uv` (n, 2, 2) their ends; arcs that could not be traced, `failed`."""
+
+    arc: NDArray[np.int64]
+    share: Array
+    nodes: Array
+    residual: Array
+    uv: Array
+    failed: NDArray[np.int64]
+
+
+def trace_spans(surface: Surface, box: Array, arc: NDArray[np.int64], share: Array, uv: Array, radius: Array) -> Spans:
+    """Trace spans given by their ends `uv` (n, 2, 2) on the levels `radius` (n,).
+
+    `arc` and `share` say whose they are; spans that do not hold are halved.
+    """
+    scale = _lengths(surface, box)
+    uv = uv.copy()
+    for k in (0, 1):
+        uv[:, k] = _onto_level(surface, uv[:, k], radius, scale, box)
+    done: list[tuple] = []
+    failed: set[int] = set()
+    x, check = span_nodes(DEGREE), _between(span_nodes(DEGREE))
+    inner = np.concatenate([x[1:-1], check])
+    to_check = bernstein_basis(DEGREE, check) @ np.linalg.inv(bernstein_basis(DEGREE, x))
+    for halving in range(MOST_HALVINGS + 1):
+        if not len(arc):
+            break
+        found, good = _across_chords(surface, uv, radius, inner, scale, box)
+        flat = _unrolled(surface, uv, found, radius, inner)
+        nodes = flat[:, np.concatenate([[0], 2 + np.arange(DEGREE - 1), [1]])]
+        checked = flat[:, 2 + DEGREE - 1 :]
+        error = np.hypot(*np.moveaxis(to_check @ nodes - checked, -1, 0)).max(axis=1)
+        good &= error <= np.maximum(BETWEEN, 1e-13 * radius)
+        done.append((arc[good], share[good], nodes[good], error[good], uv[good]))
+        arc, share, uv, radius, found = arc[~good], share[~good], uv[~good], radius[~good], found[~good]
+        if halving == MOST_HALVINGS:
+            failed |= set(arc.tolist())
+            break
+        arc, share, uv, radius, lost = _halved(surface, arc, share, uv, radius, scale, box)
+        failed |= lost
+    columns = [np.concatenate(c) for c in zip(*done, strict=True)] if done else [np.zeros(0, dtype=np.int64)] * 5
+    return Spans(
+        arc=columns[0],
+        share=columns[1],
+        nodes=columns[2],
+        residual=columns[3],
+        uv=columns[4],
+        failed=np.array(sorted(failed), dtype=np.int64),
+    )
+
+
+def _between(x: Array) -> Array:
+    return 0.5 * (x[:-1] + x[1:])
+
+
+def _lengths(surface: Surface, box: Array) -> Array:
+    """Mean lengths of S_u and S_v over the box: what a step in u or v is in mm."""
+    lines = [np.linspace(box[0, k], box[1, k], 5) for k in (0, 1)]
+    grid = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
+    _, su, sv = surface.derivatives(grid)
+    sizes = np.array([np.linalg.norm(su, axis=1).mean(), np.linalg.norm(sv, axis=1).mean()])
+    return np.maximum(sizes, 1e-12)
+
+
+def level_gap(surface: Surface, uv: Array, radius: Array) -> tuple[Array, Array, Array]:
+    """(rho - R, d rho / du, d rho / dv) at uv (n, 2)."""
+    p, su, sv = surface.derivatives(uv)
+    rho = radii_of(p)
+    safe = np.maximum(rho, 1e-300)
+    return rho - radius, (p[:, 0] * su[:, 0] + p[:, 1] * su[:, 1]) / safe, (p[:, 0] * sv[:, 0] + p[:, 1] * sv[:, 1]) / safe
+
+
+def _onto_level(surface: Surface, uv: Array, radius: Array, scale: Array, box: Array) -> Array:
+    """Ends brought onto the level along its gradient; those that cannot be (the level only touches there) stay."""
+    start, best = uv, uv.copy()
+    for _ in range(6):
+        gap, gu, gv = level_gap(surface, uv, radius)
+        gu, gv = gu / scale[0] ** 2, gv / scale[1] ** 2
+        size = gu * gu * scale[0] ** 2 + gv * gv * scale[1] ** 2
+        step = np.stack([gu, gv], axis=1) * (gap / np.maximum(size, 1e-30))[:, None]
+        near = (np.abs((uv - step - start) * scale) <= 1e-2).all(axis=1)
+        uv = np.where(near[:, None], uv - step, uv)
+        if (np.abs(gap) <= ON_LEVEL).all():
+            break
+    gap, _, _ = level_gap(surface, uv, radius)
+    good = np.abs(gap) <= 1e-9
+    best[good] = uv[good]
+    # a face's own parameters may be overstepped by rounding only
+    slack = 1e-7 * (box[1] - box[0])
+    return np.clip(best, np.minimum(box[0] - slack, start), np.maximum(box[1] + slack, start))
+
+
+def _across_chords(
+    surface: Surface, uv: Array, radius: Array, share: Array, scale: Array, box: Array
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Points of the level curve across each span's chord line at the given shares, (n, k, 2), and which spans were found."""
+    a, b = uv[:, 0], uv[:, 1]
+    along = (b - a) * scale
+    size = np.hypot(along[:, 0], along[:, 1])
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.maximum(size, 1e-300)[:, None] / scale
+    base = a[:, None] + share[None, :, None] * (b - a)[:, None]
+    n, k = base.shape[:2]
+    flat, way = base.reshape(-1, 2), np.repeat(across, k, axis=0)
+    level = np.repeat(radius, k)
+    # the offset may not exceed the span's own length: else the chord line has nothing to do with the curve
+    limit = np.repeat(size, k) * 0.75 + 1e-9
+    offset = np.zeros(len(flat))
+    active = np.ones(len(flat), dtype=bool)
+    converged = np.zeros(len(flat), dtype=bool)
+    for _ in range(NEWTON_STEPS):
+        index = np.flatnonzero(active)
+        if not len(index):
+            break
+        gap, gu, gv = level_gap(surface, flat[index] + offset[index, None] * way[index], level[index])
+        slope = gu * way[index, 0] + gv * way[index, 1]
+        done = np.abs(gap) <= ON_LEVEL + 4e-16 * level[index]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = np.where(np.abs(slope) > 1e-9, gap / slope, np.nan)
+        new = offset[index] - np.where(done, 0.0, step)
+        lost = ~np.isfinite(new) | (np.abs(new) > limit[index])
+        converged[index] |= done
+        offset[index] = np.where(lost, offset[index], new)
+        active[index] = ~(done | lost)
+    found = (flat + offset[:, None] * way).reshape(n, k, 2)
+    slack = 1e-3 * (box[1] - box[0])
+    inside = ((found >= box[0] - slack) & (found <= box[1] + slack)).all(axis=(1, 2))
+    return found, converged.reshape(n, k).all(axis=1) & inside & (size > 0.0)
+
+
+def _unrolled(surface: Surface, uv: Array, found: Array, radius: Array, share: Array) -> Array:
+    """(kappa, v) of both ends and of the found points, (n, 2 + k, 2), theta continuous along the span."""
+    n, k = found.shape[:2]
+    points = surface.points(np.concatenate([uv, found], axis=1).reshape(-1, 2)).reshape(n, 2 + k, 3)
+    theta = np.arctan2(points[..., 1], points[..., 0])
+    order = np.argsort(np.concatenate([[0.0, 1.0], share]), kind="stable")
+    theta[:, order] = np.unwrap(theta[:, order], axis=1)
+    return np.stack([theta * radius[:, None], points[..., 2]], axis=-1)
+
+
+def _halved(surface: Surface, arc, share: Array, uv: Array, radius: Array, scale: Array, box: Array):
+    """Every span cut in two at a point of the level curve across the middle of its chord line."""
+    middle, good = _across_chords(surface, uv, radius, np.array([0.5]), scale, box)
+    lost = set(arc[~good].tolist())
+    keep = good & ~np.isin(arc, list(lost))
+    arc, share, uv, radius, middle = arc[keep], share[keep], uv[keep], radius[keep], middle[keep, 0]
+    half = share.mean(axis=1)
+    first = np.stack([uv[:, 0], middle], axis=1)
+    second = np.stack([middle, uv[:, 1]], axis=1)
+    shares = np.concatenate([np.stack([share[:, 0], half], axis=1), np.stack([half, share[:, 1]], axis=1)])
+    return np.concatenate([arc, arc]), shares, np.concatenate([first, second]), np.concatenate([radius, radius]), lost
+
+
+def arcs_of_spans(spans: Spans, radius: Array) -> dict[int, tuple[Array, Array, float]]:
+    """For each arc: its spans' nodes (m, DEGREE + 1, 2) with kappa continuous, breaks (m + 1,) from 0 to 1, residual."""
+    order = np.lexsort((spans.share[:, 0], spans.arc))
+    arc, nodes, share = spans.arc[order], spans.nodes[order].copy(), spans.share[order]
+    if not len(arc):
+        return {}
+    fresh = np.ones(len(arc), dtype=bool)
+    fresh[1:] = arc[1:] != arc[:-1]
+    period = TURN * radius[arc]
+    jump = np.zeros(len(arc))
+    jump[1:] = np.round((nodes[:-1, -1, 0] - nodes[1:, 0, 0]) / period[1:])
+    jump[fresh] = 0.0
+    total = np.cumsum(jump)
+    total -= total[fresh][np.cumsum(fresh) - 1]
+    nodes[..., 0] += (total * period)[:, None]
+    # neighbouring spans meet in one point
+    joined = np.flatnonzero(~fresh)
+    nodes[joined, 0] = nodes[joined - 1, -1]
+    begin = np.flatnonzero(fresh)
+    end = np.append(begin[1:], len(arc))
+    residual = spans.residual[order]
+    return {
+        int(arc[a]): (nodes[a:b], np.append(share[a:b, 0], share[b - 1, 1]), float(residual[a:b].max()))
+        for a, b in zip(begin.tolist(), end.tolist(), strict=True)
+        if int(arc[a]) not in set(spans.failed.tolist())
+    }

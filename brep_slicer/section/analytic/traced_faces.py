@@ -1,0 +1,211 @@
+"""Faces without a closed form: nodes paired along their level curves, the curves traced.
+
+In: a face, its nodes, the radii. Out: FaceArcs, splines (or straight lines where they are straight).
+
+One start and one end on a layer belong together, and the curve between them is sought across the straight line that joins
+them in (u, v). Where there are more, or that fails, coarse level lines on a grid say who belongs to whom and lead the way.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from brep_slicer.curves.spline import spline_through_nodes, straightened
+from brep_slicer.geometry import Face
+from brep_slicer.geometry.trimming import trimming_of
+from brep_slicer.maps import Array
+
+from .closed_forms import FaceArcs
+from .face_nodes import FaceNodes, pair_along
+from .guides import FaceGrid, between, grid_of_face, place_on_lines
+from .traced import arcs_of_spans, level_gap, trace_spans
+
+# A traced curve is a straight line when its control points lie on one to this (mm), the accuracy of the tracing.
+STRAIGHT = 1e-9
+# Along a guide, one vertex in this many begins a new span.
+VERTICES_PER_SPAN = 6
+# A node farther than this many cells from every guide lies on none of them.
+CELLS_AWAY = 2.0
+
+
+def arcs_on_traced_face(face: Face, found: FaceNodes, radii: Array, *, closed: bool) -> FaceArcs:
+    """All arcs of all layers; with `closed`, also level curves that meet no edge."""
+    arcs = FaceArcs()
+    starts = np.bincount(found.layer[found.begins], minlength=len(radii))
+    ends = np.bincount(found.layer[~found.begins], minlength=len(radii))
+    for layer in np.flatnonzero(starts != ends).tolist():
+        arcs.failed[layer] = f"{starts[layer]} arcs begin and {ends[layer]} end on face {face.index}"
+    single = np.flatnonzero((starts == 1) & (ends == 1))
+    rows = np.isin(found.layer, single)
+    by_layer = np.argsort(found.layer[rows], kind="stable")
+    rows = np.flatnonzero(rows)[by_layer]
+    first = rows[found.begins[rows]]
+    last = rows[~found.begins[rows]]
+    lost = _direct(face, found, radii, first, last, arcs)
+    guided = set(np.flatnonzero((starts == ends) & (starts > 1)).tolist()) | {int(found.layer[i]) for i in lost}
+    if guided or closed:
+        _guided(face, found, radii, sorted(guided), arcs, closed=closed)
+    return arcs
+
+
+def _direct(face: Face, found: FaceNodes, radii: Array, first: NDArray[np.int64], last: NDArray[np.int64], arcs: FaceArcs):
+    """Trace from start to end straight away; returns the rows of starts that could not be."""
+    if not len(first):
+        return []
+    uv = np.stack([found.uv[first], found.uv[last]], axis=1)
+    radius = radii[found.layer[first]]
+    good = np.isfinite(uv).all(axis=(1, 2))
+    arc = np.arange(len(first))
+    spans = trace_spans(face.surface, face.box, arc[good], np.tile([0.0, 1.0], (int(good.sum()), 1)), uv[good], radius[good])
+    made = arcs_of_spans(spans, radius)
+    for k, traced in made.items():
+        layer = int(found.layer[first[k]])
+        _add(face, arcs, traced, layer, int(found.node[first[k]]), int(found.node[last[k]]))
+    return [int(first[k]) for k in arc.tolist() if k not in made]
+
+
+def _add(face: Face, arcs: FaceArcs, traced: tuple[Array, Array, float], layer: int, start: int, end: int) -> None:
+    nodes, breaks, residual = traced
+    curve = straightened(spline_through_nodes(nodes, breaks, residual=residual, face=face.index), STRAIGHT)
+    arcs.add(curve, layer, start, end)
+    arcs.residual[layer] = max(arcs.residual.get(layer, 0.0), residual)
+
+
+def _guided(face: Face, found: FaceNodes, radii: Array, layers: list[int], arcs: FaceArcs, *, closed: bool) -> None:
+    """Trace along coarse level lines, layer by layer."""
+    grid = grid_of_face(face)
+    trimming = trimming_of(face) if closed else None
+    if closed:
+        near = 1e-9 * max(1.0, float(grid.rho.max()))
+        reach = (radii > grid.rho.min() - near) & (radii < grid.rho.max() + near)
+        layers = sorted(set(layers) | set(np.flatnonzero(reach).tolist()))
+    for layer in layers:
+        if layer in arcs.failed:
+            continue
+        radius = float(radii[layer])
+        lines = grid.level_lines(radius)
+        mine = np.flatnonzero(found.layer == layer)
+        have = {i for i, made in enumerate(arcs.layer) if made == layer}
+        if not have and len(mine):
+            used = _trace_guided(face, found, grid, lines, mine, radius, layer, arcs)
+        else:
+            used = set(place_on_lines(found.uv[mine], lines, grid.scale).line.tolist()) if len(mine) and lines else set()
+        if trimming is not None:
+            for number, line in enumerate(lines):
+                if number in used or not np.array_equal(line[0], line[-1]) or not trimming.contains(line[:-1]).all():
+                    continue
+                _trace_closed(face, grid, line, radius, layer, arcs)
+
+
+def _trace_guided(
+    face: Face, found: FaceNodes, grid: FaceGrid, lines: list[Array], mine, radius: float, layer: int, arcs
+) -> set[int]:
+    reason = f"the crossings on face {face.index} could not be followed"
+    if not lines:
+        arcs.failed[layer] = reason
+        return set()
+    placed = place_on_lines(found.uv[mine], lines, grid.scale)
+    cell = np.array([np.diff(grid.u).max(), np.diff(grid.v).max()]) * grid.scale
+    if (placed.distance > CELLS_AWAY * np.hypot(*cell)).any():
+        arcs.failed[layer] = reason
+        return set()
+    way = np.array([_way(face, line, radius) for line in lines])
+    round_ones = np.array([np.array_equal(line[0], line[-1]) for line in lines])
+    here = found.select(np.isin(np.arange(len(found)), mine))
+    position = placed.position * way[placed.line]
+    plans: list[tuple[int, int, Array]] = []
+    for cyclic in (False, True):
+        some = round_ones[placed.line] == cyclic
+        if not some.any():
+            continue
+        part = here.select(some)
+        pairs = pair_along(part, placed.line[some], position[some], cyclic=cyclic)
+        if len(pairs.bad):
+            arcs.failed[layer] = reason
+            return set()
+        rows = np.flatnonzero(some)
+        for i, j in zip(rows[pairs.start].tolist(), rows[pairs.end].tolist(), strict=True):
+            number = int(placed.line[i])
+            line = lines[number] if way[number] > 0 else lines[number][::-1]
+            a, b = position[i], position[j]
+            if way[number] < 0:
+                total = float(np.linalg.norm(np.diff(line * grid.scale, axis=0), axis=1).sum())
+                a, b = total + a, total + b
+            inner = between(line, grid.scale, a, b)
+            plans.append((i, j, np.concatenate([here.uv[i][None], _thinned(inner), here.uv[j][None]])))
+    if not _trace_plans(face, grid, plans, radius, layer, here, arcs):
+        arcs.failed[layer] = reason
+    return set(placed.line.tolist())
+
+
+def _way(face: Face, line: Array, radius: float) -> float:
+    """+1 where a guide runs along the section, -1 where against it: T in (u, v) is sign * (d rho/dv, -d rho/du)."""
+    k = len(line) // 2
+    middle = 0.5 * (line[k - 1] + line[k])
+    _, gu, gv = level_gap(face.surface, middle[None], np.array([radius]))
+    along = line[k] - line[k - 1]
+    return 1.0 if face.sign * (gv[0] * along[0] - gu[0] * along[1]) > 0.0 else -1.0
+
+
+def _thinned(points: Array) -> Array:
+    """Every so many vertices of a guide, none too near to its ends."""
+    return points[VERTICES_PER_SPAN // 2 :: VERTICES_PER_SPAN]
+
+
+def _onto_level(face: Face, points: Array, radius: float, grid: FaceGrid) -> Array:
+    """Vertices of a guide brought onto the level along the gradient (in mm, not in u and v)."""
+    uv = points.copy()
+    square = grid.scale**2
+    for _ in range(8):
+        gap, gu, gv = level_gap(face.surface, uv, np.full(len(uv), radius))
+        size = gu * gu / square[0] + gv * gv / square[1]
+        uv = uv - np.stack([gu / square[0], gv / square[1]], axis=1) * (gap / np.maximum(size, 1e-12))[:, None]
+        uv = np.clip(uv, face.box[0], face.box[1])
+    gap, _, _ = level_gap(face.surface, uv, np.full(len(uv), radius))
+    return uv[np.abs(gap) <= 1e-8]
+
+
+def _trace_plans(face: Face, grid: FaceGrid, plans, radius: float, layer: int, here: FaceNodes, arcs: FaceArcs) -> bool:
+    """Trace several guided arcs of one layer; all of them, or none is kept."""
+    arc, share, uv = [], [], []
+    for number, (_, _, guide) in enumerate(plans):
+        inner = _onto_level(face, guide[1:-1], radius, grid)
+        chain = np.concatenate([guide[:1], inner, guide[-1:]])
+        steps = np.linspace(0.0, 1.0, len(chain))
+        arc += [number] * (len(chain) - 1)
+        share.append(np.stack([steps[:-1], steps[1:]], axis=1))
+        uv.append(np.stack([chain[:-1], chain[1:]], axis=1))
+    if not arc:
+        return True
+    radius_of = np.full(len(plans), radius)
+    spans = trace_spans(
+        face.surface, face.box, np.array(arc), np.concatenate(share), np.concatenate(uv), np.full(len(arc), radius)
+    )
+    made = arcs_of_spans(spans, radius_of)
+    if len(made) != len(plans):
+        return False
+    for number, (i, j, _) in enumerate(plans):
+        _add(face, arcs, made[number], layer, int(here.node[i]), int(here.node[j]))
+    return True
+
+
+def _trace_closed(face: Face, grid: FaceGrid, line: Array, radius: float, layer: int, arcs: FaceArcs) -> None:
+    """A level curve that meets no edge, from a closed guide."""
+    if _way(face, line, radius) < 0.0:
+        line = line[::-1]
+    inner = _onto_level(face, line[:-1][:: max(1, min(VERTICES_PER_SPAN, (len(line) - 1) // 4))], radius, grid)
+    reason = f"an island on face {face.index} could not be followed"
+    if len(inner) < 3:
+        arcs.failed[layer] = reason
+        return
+    chain = np.concatenate([inner, inner[:1]])
+    steps = np.linspace(0.0, 1.0, len(chain))
+    share, uv = np.stack([steps[:-1], steps[1:]], axis=1), np.stack([chain[:-1], chain[1:]], axis=1)
+    count = len(chain) - 1
+    spans = trace_spans(face.surface, face.box, np.zeros(count, dtype=np.int64), share, uv, np.full(count, radius))
+    made = arcs_of_spans(spans, np.array([radius]))
+    if 0 not in made:
+        arcs.failed[layer] = reason
+        return
+    _add(face, arcs, made[0], layer, -1, -1)

@@ -12,7 +12,7 @@ import numpy as np
 
 from brep_slicer.maps import Array
 
-from .polynomials import breaks_between, local_coefficients, powers, projected, spans_of, wrapped
+from .polynomials import bernstein, bezier_spans, breaks_between, projected, spans_of, wrapped
 
 
 class EdgeCurve(abc.ABC):
@@ -82,7 +82,7 @@ class BSplineEdge(EdgeCurve):
         poles = self.poles
         if self.weights is not None:
             poles = np.concatenate([poles * self.weights[:, None], self.weights[:, None]], axis=1)
-        breaks, coefficients = local_coefficients(self.knots, poles, self.degree)
+        breaks, coefficients = bezier_spans(self.knots, poles, self.degree)
         object.__setattr__(self, "_breaks", breaks)
         object.__setattr__(self, "_coefficients", coefficients)
 
@@ -92,7 +92,7 @@ class BSplineEdge(EdgeCurve):
         local = self._coefficients[span]
         values = []
         for k in range(order + 1):
-            value = np.einsum("ni,nid->nd", powers(x, self.degree, k), local)
+            value = np.einsum("ni,nid->nd", bernstein(x, self.degree, k), local)
             values.append(value / (width**k)[:, None])
         return projected(values) if self.weights is not None else values
 

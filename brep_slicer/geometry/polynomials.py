@@ -1,6 +1,6 @@
-"""Rational B-splines as local polynomials, evaluated over whole arrays.
+"""Rational B-splines as Bezier spans, evaluated over whole arrays.
 
-In: knots, poles, weights. Out: breaks and local power coefficients, and their values and derivatives at many parameters.
+In: knots, poles, weights. Out: breaks and control points of each span, values and derivatives at many parameters.
 
 Words: *span*, an interval between two different knots; *local coordinate*, 0 to 1 over a span; *homogeneous*, poles
 multiplied by their weights with the weight as last component.
@@ -8,26 +8,37 @@ multiplied by their weights with the weight as last component.
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
-from scipy.interpolate import BSpline
 
 from brep_slicer.maps import Array
 
 
-def local_coefficients(knots: Array, poles: Array, degree: int) -> tuple[Array, Array]:
-    """Breaks (m + 1,) and power coefficients (m, degree + 1, ...) in the local coordinate of each span, constant first.
+def bezier_spans(knots: Array, poles: Array, degree: int) -> tuple[Array, Array]:
+    """Breaks (m + 1,) and the Bezier control points (m, degree + 1, ...) of each span of a B-spline.
 
-    `knots` is the full clamped vector (poles + degree + 1), `poles` (n, ...).
+    `knots` is the full clamped vector (poles + degree + 1), `poles` (n, ...). Control point i of the span [a, b] is the
+    blossom at (a repeated degree - i times, b repeated i times), by de Boor's recurrence on all spans at once; unlike power
+    coefficients, it is a convex combination and loses no digits at any degree.
     """
-    spline = BSpline(knots, np.ascontiguousarray(poles, dtype=np.float64), degree)
+    poles = np.asarray(poles, dtype=np.float64)
     breaks = np.unique(knots[degree : len(knots) - degree])
-    width = np.diff(breaks).reshape((-1,) + (1,) * (poles.ndim - 1))
-    rows, factor = [], 1.0
-    for k in range(degree + 1):
-        # Taylor coefficients at the left end of each span, in the local coordinate
-        rows.append(spline(breaks[:-1], nu=k) * width**k / factor)
-        factor *= k + 1
-    return breaks, np.ascontiguousarray(np.stack(rows, axis=1))
+    last = np.searchsorted(knots, breaks[:-1], side="right") - 1
+    # d: (span, control point, local pole, ...)
+    local = poles[last[:, None] - degree + np.arange(degree + 1)]
+    d = np.repeat(local[:, None], degree + 1, axis=1)
+    number = np.arange(degree + 1)
+    extra = (1,) * (poles.ndim - 1)
+    for r in range(1, degree + 1):
+        # the r-th argument of control point i is b for the first i arguments, then a
+        argument = np.where(number[None, :] >= r, breaks[1:, None], breaks[:-1, None])
+        i = last[:, None] - degree + np.arange(r, degree + 1)
+        low, high = knots[i], knots[i + degree + 1 - r]
+        share = (argument[:, :, None] - low[:, None]) / (high - low)[:, None]
+        share = share.reshape(*share.shape, *extra)
+        d = (1.0 - share) * d[:, :, :-1] + share * d[:, :, 1:]
+    return breaks, np.ascontiguousarray(d[:, :, 0])
 
 
 def spans_of(breaks: Array, x: Array) -> tuple[Array, Array, Array]:
@@ -37,17 +48,30 @@ def spans_of(breaks: Array, x: Array) -> tuple[Array, Array, Array]:
     return span, (x - breaks[span]) / width, width
 
 
-def powers(x: Array, degree: int, derivative: int) -> Array:
-    """d^k/dx^k of x**0 ... x**degree, shape (len(x), degree + 1)."""
-    out = np.zeros((len(x), degree + 1))
-    value = np.ones_like(x)
-    for exponent in range(derivative, degree + 1):
-        factor = 1.0
-        for k in range(derivative):
-            factor *= exponent - k
-        out[:, exponent] = factor * value
-        value = value * x
-    return out
+def bernstein(x: Array, degree: int, derivative: int) -> Array:
+    """d^k/dx^k of the Bernstein polynomials of `degree` at x (n,), shape (n, degree + 1), k <= 2."""
+    if derivative > degree:
+        return np.zeros((len(x), degree + 1))
+    lower = degree - derivative
+    up, down = np.ones((len(x), lower + 1)), np.ones((len(x), lower + 1))
+    if lower:
+        np.cumprod(np.broadcast_to(x[:, None], (len(x), lower)), axis=1, out=up[:, 1:])
+        np.cumprod(np.broadcast_to(1.0 - x[:, None], (len(x), lower)), axis=1, out=down[:, 1:])
+    values = up * down[:, ::-1] * _binomials(lower)
+    for k in range(derivative):
+        wide = np.zeros((len(x), values.shape[1] + 1))
+        wide[:, 1:] = values
+        wide[:, :-1] -= values
+        values = wide * (lower + 1 + k)
+    return values
+
+
+@functools.cache
+def _binomials(degree: int) -> Array:
+    row = [1.0]
+    for k in range(degree):
+        row.append(row[-1] * (degree - k) / (k + 1))
+    return np.array(row)
 
 
 def projected(values: list[Array]) -> list[Array]:

@@ -14,7 +14,7 @@ import numpy as np
 from brep_slicer.maps import TURN, Array
 
 from .edge_curves import EdgeCurve
-from .polynomials import breaks_between, local_coefficients, powers, projected, spans_of, wrapped
+from .polynomials import bernstein, bezier_spans, breaks_between, projected, spans_of, wrapped
 
 
 class SurfaceKind(enum.Enum):
@@ -153,8 +153,8 @@ class BSplineSurface(Surface):
         poles = self.poles
         if self.weights is not None:
             poles = np.concatenate([poles * self.weights[..., None], self.weights[..., None]], axis=-1)
-        bu, along_u = local_coefficients(self.knots_u, poles, self.degrees[0])
-        bv, both = local_coefficients(self.knots_v, np.moveaxis(along_u, 2, 0), self.degrees[1])
+        bu, along_u = bezier_spans(self.knots_u, poles, self.degrees[0])
+        bv, both = bezier_spans(self.knots_v, np.moveaxis(along_u, 2, 0), self.degrees[1])
         # both: (spans v, power v, spans u, power u, dim) -> (spans u, spans v, power u, power v, dim)
         object.__setattr__(self, "_coefficients", np.ascontiguousarray(np.transpose(both, (2, 0, 3, 1, 4))))
         object.__setattr__(self, "_breaks", (bu, bv))
@@ -164,8 +164,8 @@ class BSplineSurface(Surface):
         sv, y, wv = spans_of(self._breaks[1], wrapped(uv[:, 1], self._breaks[1], self.period[1]))
         local = self._coefficients[su, sv]
         n, p1, q1, dim = local.shape
-        px, dx = powers(x, self.degrees[0], 0), powers(x, self.degrees[0], 1)
-        py, dy = powers(y, self.degrees[1], 0), powers(y, self.degrees[1], 1)
+        px, dx = bernstein(x, self.degrees[0], 0), bernstein(x, self.degrees[0], 1)
+        py, dy = bernstein(y, self.degrees[1], 0), bernstein(y, self.degrees[1], 1)
         flat = local.reshape(n, p1, q1 * dim)
         along = np.matmul(np.stack([px, dx], axis=1), flat).reshape(n, 2, q1, dim)
         s = np.matmul(py[:, None, :], along[:, 0])[:, 0]

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Curve2d, BRepAdaptor_Surface
+from OCP.BRepTools import BRepTools_WireExplorer
 from OCP.TopAbs import (
     TopAbs_EDGE,
     TopAbs_FACE,
@@ -28,7 +29,7 @@ from brep_slicer.geometry import Brep, Edge, EdgeUse, Face
 from brep_slicer.maps import Array
 
 from .brep_geometry import curve_from_adaptor, surface_from_adaptor
-from .compat import as_edge, as_face, as_vertex, indexed_map
+from .compat import as_edge, as_face, as_vertex, as_wire, indexed_map
 from .shapes import transformed
 
 
@@ -124,23 +125,48 @@ def _bounds(face: Any) -> tuple[float, float, float, float]:
 
 def _loop(wire: Any, face: Any, maps: Any, errors: list[float]) -> tuple[EdgeUse, ...]:
     uses = []
+    for edge in _in_order(as_wire(wire), face):
+        adaptor = BRepAdaptor_Curve2d(edge, face)
+        uses.append(
+            EdgeUse(
+                edge=maps[TopAbs_EDGE].FindIndex(edge) - 1,
+                forward=edge.Orientation() == TopAbs_FORWARD,
+                pcurve=curve_from_adaptor(adaptor, 2, errors),
+                range=(adaptor.FirstParameter(), adaptor.LastParameter()),
+            )
+        )
+    return tuple(uses)
+
+
+def _in_order(wire: Any, face: Any) -> list[Any]:
+    """The edges of a wire as they follow one another (a wire may store them in any order).
+
+    OCCT's explorer, which follows the curves in the face's parameters where vertices alone do not tell (seams), is believed
+    if it meets every edge; else the stored order is kept.
+    """
+    stored = []
     explorer = TopExp_Explorer(wire, TopAbs_EDGE)
     while explorer.More():
         edge = as_edge(explorer.Current())
         if edge.Orientation() in (TopAbs_FORWARD, TopAbs_REVERSED):
-            adaptor = BRepAdaptor_Curve2d(edge, face)
-            pcurve = curve_from_adaptor(adaptor, 2, errors)
-            number = maps[TopAbs_EDGE].FindIndex(edge) - 1
-            uses.append(
-                EdgeUse(
-                    edge=number,
-                    forward=edge.Orientation() == TopAbs_FORWARD,
-                    pcurve=pcurve,
-                    range=(adaptor.FirstParameter(), adaptor.LastParameter()),
-                )
-            )
+            stored.append(edge)
         explorer.Next()
-    return tuple(uses)
+    ordered = []
+    follower = BRepTools_WireExplorer(wire, face)
+    while follower.More():
+        ordered.append(as_edge(follower.Current()))
+        follower.Next()
+    if len(ordered) != len(stored):
+        return stored
+    rest = list(stored)
+    out = []
+    for edge in ordered:
+        found = next((e for e in rest if e.IsEqual(edge)), None)
+        if found is None:
+            return stored
+        rest.remove(found)
+        out.append(found)
+    return out
 
 
 def ensure_curves(solid: Any) -> None:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from brep_slicer.field import radii_of
 from brep_slicer.geometry import Brep, EdgeUse, Face
 from brep_slicer.maps import Array
 from brep_slicer.section.unroll import curve_on_cylinder
@@ -46,6 +47,8 @@ def arcs_on_hot_edges(
         rows = np.flatnonzero(found.layer == layer)
         for run in _runs(face, found, rows, layer, hot):
             start, end, inner = run
+            if not all(_rises_inwards(face, use, float(radii[layer])) for use in inner):
+                continue
             free[[start, end]] = False
             _add_run(brep, face, arcs, float(radii[layer]), layer, (int(found.node[start]), int(found.node[end])), inner)
     return arcs, free
@@ -73,6 +76,25 @@ def _in_order(found: FaceNodes, mine: np.ndarray, use: EdgeUse) -> list[int]:
     """Nodes of one use: rows come in the order of the stretches, which is that of the parameter."""
     ordered = mine[np.argsort(found.node[mine])]
     return (ordered if use.forward else ordered[::-1]).tolist()
+
+
+def _rises_inwards(face: Face, use: EdgeUse, radius: float) -> bool:
+    """Whether the face leaves the hot edge outwards; a face that goes on inwards has its section elsewhere.
+
+    Judged at a thousandth of the face's size from the middle of the edge, where a face that is tangent there has risen too.
+    """
+    if use.pcurve is None:
+        return False
+    t = np.array([0.5 * (use.range[0] + use.range[1])])
+    p, d = use.pcurve.derivatives(t, 1)
+    _, su, sv = face.surface.derivatives(p)
+    scale = np.array([np.linalg.norm(su), np.linalg.norm(sv)])
+    # the face lies on the left of its boundary as seen from outside, that is in (u, v) if S_u x S_v points outwards
+    along = (d[0] if use.forward else -d[0]) * scale
+    left = face.sign * np.array([-along[1], along[0]]) / max(float(np.hypot(*along)), 1e-300)
+    size = float(np.hypot(*((face.box[1] - face.box[0]) * scale)))
+    inside = p[0] + 1e-3 * size * left / np.maximum(scale, 1e-300)
+    return bool(radii_of(face.surface.points(inside[None]))[0] > radius)
 
 
 def _matched(sequence: list, found: FaceNodes):

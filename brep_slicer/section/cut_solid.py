@@ -10,13 +10,18 @@ from typing import Any
 
 from brep_slicer.field import Critical, EdgeStretches, critical_radii, edge_stretches
 from brep_slicer.geometry import Brep
+from brep_slicer.geometry.gaps import edge_gaps
+from brep_slicer.maps import Array
 from brep_slicer.part import Part, Solid
 from brep_slicer.substrate.axis import Axis
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CutSolid:
-    """A solid in the axis frame: the OCP solid `wrapped`, its `brep`, its edges' `stretches`, its `critical` radii."""
+    """A solid in the axis frame: the OCP solid `wrapped`, its `brep`, its edges' `stretches`, its `critical` radii.
+
+    `gaps` (edges,) is how far each edge's curve and its faces lie apart in truth, mm: files understate it.
+    """
 
     index: int
     name: str
@@ -24,6 +29,7 @@ class CutSolid:
     brep: Brep
     stretches: EdgeStretches
     critical: Critical
+    gaps: Array
 
 
 def cut_solid(solid: Solid, axis: Axis) -> CutSolid:
@@ -40,6 +46,7 @@ def cut_solid(solid: Solid, axis: Axis) -> CutSolid:
         brep=brep,
         stretches=stretches,
         critical=critical_radii(brep, stretches),
+        gaps=edge_gaps(brep),
     )
 
 

@@ -171,10 +171,26 @@ def _circles_on_plane(face: Face, found: FaceNodes, radii: Array) -> FaceArcs:
 
 def _circles_of_revolution(face: Face, found: FaceNodes, radii: Array) -> FaceArcs:
     way = -np.sign(outward_normals(face, found.uv)[:, 2])
-    # both ends of an arc are given the height of the first node on its circle: one line v = const
+    component, height = _heights(face, found, radii)
+    return _round(face, found, radii, component, way, _line_at(face, radii, height))
+
+
+def _heights(face: Face, found: FaceNodes, radii: Array) -> tuple[Array, Array]:
+    """Which circle of its layer each node lies on, and the circle's height: by the profile where it has a formula."""
+    surface, r = face.surface, radii[found.layer]
+    if isinstance(surface, ElementarySurface) and surface.kind is not SurfaceKind.CYLINDER:
+        base, up = surface.origin[2], surface.frame[2, 2]
+        if surface.kind is SurfaceKind.CONE:
+            return np.zeros(len(found)), base + up * (r - surface.radius) / np.tan(surface.half_angle)
+        square = (
+            surface.radius**2 - r * r if surface.kind is SurfaceKind.SPHERE else surface.minor**2 - (r - surface.radius) ** 2
+        )
+        side = np.where(found.z >= base, 1.0, -1.0)
+        return side, base + side * np.sqrt(np.maximum(square, 0.0))
     component = clusters(found.layer, found.z, SAME_LINE)
+    # both ends of an arc are given the height of the first node on its circle: one line v = const
     _, first, where = np.unique(component, return_index=True, return_inverse=True)
-    return _round(face, found, radii, component, way, _line_at(face, radii, found.z[first][where]))
+    return component, found.z[first][where]
 
 
 def _sinusoids(face: Face, found: FaceNodes, radii: Array) -> FaceArcs:

@@ -9,6 +9,7 @@ import numpy as np
 
 from brep_slicer.curves import Loop
 from brep_slicer.errors import LayerError
+from brep_slicer.field import radial_gradient, radii_of
 from brep_slicer.geometry import Face
 from brep_slicer.maps import Array
 from brep_slicer.section.certificate import Certificate, Engine
@@ -23,8 +24,8 @@ from .traced_faces import arcs_on_traced_face
 
 # Points of closed forms and of nodes are exact but for rounding, mm.
 ROUNDING = 1e-12
-# Edges of a solid may gape by their tolerance; a jog of this many tolerances is what two faces and an edge can add up to.
-TOLERANCES = 4.0
+# Two faces and the edge between them can add up to a jog of this many gaps.
+GAPS = 4.0
 
 
 def sections_by_analysis(solid: CutSolid, radii: Array) -> list[tuple[list[Loop], Certificate] | LayerError]:
@@ -75,6 +76,7 @@ def _assembled(
         for layer, value in face_arcs.residual.items():
             residual[layer] = max(residual[layer], value)
     counts = np.bincount(nodes.layer, minlength=len(radii))
+    allowed = _allowed_jogs(solid, nodes, len(radii))
     level = solid.critical.level
     out: list[tuple[list[Loop], Certificate] | LayerError] = []
     for layer, radius in enumerate(radii.tolist()):
@@ -83,30 +85,55 @@ def _assembled(
             continue
         coincident = bool(len(level)) and float(np.abs(level - radius).min()) <= 1e-6
         try:
-            out.append(_certified(solid, radius, arcs[layer], int(counts[layer]), float(residual[layer]), coincident))
+            out.append(
+                _certified(
+                    solid, radius, arcs[layer], int(counts[layer]), float(residual[layer]), coincident, float(allowed[layer])
+                )
+            )
         except LayerError as error:
             out.append(error)
     return out
 
 
+def _allowed_jogs(solid: CutSolid, nodes: Nodes, layers: int) -> Array:
+    """The largest jog that the edges' gaps explain, in each layer, mm.
+
+    Where an edge meets the cylinder at a grazing angle, a gap g of the faces moves their crossing by g / sin(angle).
+    """
+    brep = solid.brep
+    tolerance = np.maximum(solid.gaps, [edge.tolerance for edge in brep.edges])
+    slope = np.ones(len(nodes.edge))
+    for number in np.unique(nodes.edge).tolist():
+        mine = nodes.of_edge(number)
+        curve = brep.edges[number].curve
+        assert curve is not None
+        p, d = curve.derivatives(nodes.t[mine], 1)
+        slope[mine] = np.abs(np.einsum("ij,ij->i", radial_gradient(p), d)) / np.maximum(np.linalg.norm(d, axis=1), 1e-300)
+    gap = tolerance[nodes.edge]
+    # at a tangent the crossing moves by sqrt(2 R g) at most
+    reach = np.minimum(gap / np.maximum(slope, 1e-12), np.sqrt(2.0 * np.abs(radii_of(nodes.points)) * gap))
+    out = np.full(layers, 1e-9)
+    np.maximum.at(out, nodes.layer, GAPS * (gap + reach) + 1e-9)
+    return out
+
+
 def _certified(
-    solid: CutSolid, radius: float, arcs: list[Arc], nodes: int, residual: float, coincident: bool
+    solid: CutSolid, radius: float, arcs: list[Arc], nodes: int, residual: float, coincident: bool, allowed: float
 ) -> tuple[list[Loop], Certificate]:
     """Chain one layer and check it.
 
     Raises
     ------
     LayerError
-        If a node is not met exactly twice, a loop does not close, or a jog is larger than the edges' tolerances allow.
+        If a node is not met exactly twice, a loop does not close, or a jog is larger than the gaps of the edges explain.
     """
     crossings = [arc.start for arc in arcs if 0 <= arc.start < 1 << 40]
     if len(crossings) != nodes or len(set(crossings)) != nodes:
         raise LayerError(f"{nodes} edge crossings, but {len(crossings)} arcs begin at one")
     loops = loops_from_arcs(radius, arcs)
     jog = max((loop.jog() for loop in loops), default=0.0)
-    allowed = TOLERANCES * max((edge.tolerance for edge in solid.brep.edges), default=0.0) + 1e-9
     if jog > allowed:
-        raise LayerError(f"a jog of {jog:.3g} mm is larger than the edges' tolerances allow ({allowed:.3g} mm)")
+        raise LayerError(f"a jog of {jog:.3g} mm is larger than the gaps of the edges allow ({allowed:.3g} mm)")
     if sum(loop.winding for loop in loops) != 0:
         raise LayerError("the loops round the axis do not add up")
     checks: dict[str, bool | float | str] = {

@@ -172,16 +172,52 @@ def _unrolled(surface: Surface, uv: Array, found: Array, radius: Array, share: A
 
 
 def _halved(surface: Surface, arc, share: Array, uv: Array, radius: Array, scale: Array, box: Array):
-    """Every span cut in two at a point of the level curve across the middle of its chord line."""
+    """Every span cut in two: where it crosses a line between two patches of the surface, else in the middle."""
     middle, good = _across_chords(surface, uv, radius, np.array([0.5]), scale, box)
+    cut, at = middle[:, 0], np.full(len(arc), 0.5)
+    for axis, breaks in enumerate(surface.breaks(box)):
+        _cut_at_breaks(surface, uv, radius, axis, breaks, cut, at, good)
     lost = set(arc[~good].tolist())
     keep = good & ~np.isin(arc, list(lost))
-    arc, share, uv, radius, middle = arc[keep], share[keep], uv[keep], radius[keep], middle[keep, 0]
-    half = share.mean(axis=1)
-    first = np.stack([uv[:, 0], middle], axis=1)
-    second = np.stack([middle, uv[:, 1]], axis=1)
+    arc, share, uv, radius, cut, at = arc[keep], share[keep], uv[keep], radius[keep], cut[keep], at[keep]
+    half = share[:, 0] + at * (share[:, 1] - share[:, 0])
+    first = np.stack([uv[:, 0], cut], axis=1)
+    second = np.stack([cut, uv[:, 1]], axis=1)
     shares = np.concatenate([np.stack([share[:, 0], half], axis=1), np.stack([half, share[:, 1]], axis=1)])
     return np.concatenate([arc, arc]), shares, np.concatenate([first, second]), np.concatenate([radius, radius]), lost
+
+
+def _cut_at_breaks(surface: Surface, uv: Array, radius: Array, axis: int, breaks: Array, cut: Array, at: Array, good) -> None:
+    """Move the cuts of spans that cross a break in u (axis 0) or v (1) to the level curve's point on it.
+
+    A span that ran across would join two polynomials in one, and converge only as fast as the surface is smooth there.
+    """
+    inner = breaks[1:-1]
+    if not len(inner):
+        return
+    a, b = uv[:, 0, axis], uv[:, 1, axis]
+    slack = 1e-9 * (breaks[-1] - breaks[0])
+    low, high = np.minimum(a, b) + slack, np.maximum(a, b) - slack
+    index = np.searchsorted(inner, 0.5 * (a + b))
+    for candidate in (np.clip(index, 0, len(inner) - 1), np.clip(index - 1, 0, len(inner) - 1)):
+        rows = np.flatnonzero((inner[candidate] > low) & (inner[candidate] < high) & (at == 0.5))
+        if not len(rows):
+            continue
+        value = inner[candidate[rows]]
+        fraction = (value - a[rows]) / (b[rows] - a[rows])
+        point = uv[rows, 0] + fraction[:, None] * (uv[rows, 1] - uv[rows, 0])
+        point[:, axis] = value
+        start = point.copy()
+        for _ in range(NEWTON_STEPS):
+            gap, gu, gv = level_gap(surface, point, radius[rows])
+            slope = gv if axis == 0 else gu
+            with np.errstate(divide="ignore", invalid="ignore"):
+                point[:, 1 - axis] -= np.where(np.abs(gap) <= ON_LEVEL, 0.0, gap / slope)
+            point = np.where(np.isfinite(point), point, start)
+        gap, _, _ = level_gap(surface, point, radius[rows])
+        size = np.abs(uv[rows, 1, 1 - axis] - uv[rows, 0, 1 - axis]) + 1e-6
+        held = (np.abs(gap) <= 1e-10) & (np.abs(point[:, 1 - axis] - start[:, 1 - axis]) <= 2.0 * size)
+        cut[rows[held]], at[rows[held]], good[rows[held]] = point[held], fraction[held], True
 
 
 def arcs_of_spans(spans: Spans, radius: Array) -> dict[int, tuple[Array, Array, float]]:

@@ -116,6 +116,11 @@ def plan(
             f"{part.source}: no layer meets any metal outside of R {chosen.radius:.6g} mm; check axis and substrate"
         )
     fills = tuple(fill_layer(layer, process) for layer in cut)
+    if not any(fill.beads for fill in fills) and not all(isinstance(layer, FailedLayer) for layer in cut):
+        raise PlanningError(
+            f"{part.source}: no bead fits into any layer, {process.value('inset'):.4g} mm inside of its outline; make the bead"
+            " narrower (-w), the inset smaller (--inset) or the step-over smaller (-d)"
+        )
     standing = obstacles_of([s.brep for s in solids if s.index in chosen.solids], chosen.radius)
     toolpath = lift_layers(_deposits(cut, fills, stack), motion_of(process), axis, standing)
     return Plan(

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brep_slicer.geometry import Brep, Edge, SurfaceKind
+from brep_slicer.geometry import Brep, Edge, ElementarySurface, SurfaceKind
 from brep_slicer.geometry.edge_curves import EdgeCurve, LineEdge
 from brep_slicer.maps import Array
 
@@ -47,8 +47,8 @@ def edge_stretches(brep: Brep) -> EdgeStretches:
     cuts = [(_turning_points(edge) if edge.curve is not None else np.zeros(0)) for edge in brep.edges]
     ranges = np.array([_edge_range(edge, cut) for edge, cut in zip(brep.edges, cuts, strict=True)]).reshape(-1, 2)
     level_edges = ranges[:, 1] - ranges[:, 0] <= COINCIDENCE_BAND
-    level_faces = _level_faces(brep, level_edges)
-    vertex_rho, edge_level, face_level = _effective(brep, ranges, level_edges, level_faces)
+    level_faces, exact = _level_faces(brep, level_edges)
+    vertex_rho, edge_level, face_level = _effective(brep, ranges, level_edges, level_faces, exact)
     edges, params, radii, extremes = [], [], [], []
     for number, (edge, cut) in enumerate(zip(brep.edges, cuts, strict=True)):
         if edge.curve is None or level_edges[number]:
@@ -157,27 +157,33 @@ def _edge_range(edge: Edge, cut: Array) -> tuple[float, float]:
     return float(rho.min()), float(rho.max())
 
 
-def _level_faces(brep: Brep, level_edges: Array) -> Array:
-    """Faces that are coaxial cylinders within the band: every edge is level, or the surface is one, and samples agree."""
-    out = np.zeros(len(brep.faces), dtype=bool)
+def _level_faces(brep: Brep, level_edges: Array) -> tuple[Array, Array]:
+    """Which faces are coaxial cylinders within the band, and the radius (nan if it is not) of those that are so exactly.
+
+    A face stored as a coaxial cylinder is level whatever its edges say, and makes them level: edges between it and a free-form
+    face are approximations that wander off by their tolerance.
+    """
+    level, exact = np.zeros(len(brep.faces), dtype=bool), np.full(len(brep.faces), np.nan)
     for i, face in enumerate(brep.faces):
         if face.surface.kind is SurfaceKind.PLANE:
             continue
         lines = [np.linspace(face.box[0, k], face.box[1, k], 7) for k in (0, 1)]
         uv = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
         rho = radii_of(face.surface.points(uv))
-        # cheap first look, then along the face's own edges
-        if rho.max() - rho.min() <= COINCIDENCE_BAND:
-            uses = [use.edge for loop in face.loops for use in loop]
-            out[i] = all(level_edges[e] or brep.edges[e].curve is None for e in uses)
-    return out
+        if rho.max() - rho.min() > COINCIDENCE_BAND:
+            continue
+        uses = [use.edge for loop in face.loops for use in loop]
+        if isinstance(face.surface, ElementarySurface) and face.surface.kind is SurfaceKind.CYLINDER:
+            level[i], exact[i] = True, face.surface.radius
+            level_edges[[e for e in uses if brep.edges[e].curve is not None]] = True
+        else:
+            level[i] = all(level_edges[e] or brep.edges[e].curve is None for e in uses)
+    return level, exact
 
 
-def _effective(brep: Brep, ranges: Array, level_edges: Array, level_faces: Array) -> tuple[Array, Array, Array]:
-    """Join vertices along level edges and faces; each group counts as its lowest radius (a layer inside of the band then
-    has all of it below, which is the one-sided rule)."""
-    count = len(brep.vertices)
-    parent = np.arange(count)
+def _groups(brep: Brep, level_edges: Array, level_faces: Array) -> Array:
+    """For each vertex the vertex that stands for all those joined to it by level edges and faces."""
+    parent = np.arange(len(brep.vertices))
 
     def root(i: int) -> int:
         while parent[i] != i:
@@ -189,24 +195,40 @@ def _effective(brep: Brep, ranges: Array, level_edges: Array, level_faces: Array
         a, b = brep.edges[number].vertices
         parent[root(a)] = root(b)
     for number in np.flatnonzero(level_faces):
-        corners = [v for loop in brep.faces[number].loops for use in loop for v in brep.edges[use.edge].vertices]
+        corners = _corners(brep, int(number))
         for corner in corners[1:]:
             parent[root(corner)] = root(corners[0])
-    roots = np.array([root(i) for i in range(count)], dtype=int)
-    rho = radii_of(brep.vertices)
-    lowest = np.full(count, np.inf)
-    np.minimum.at(lowest, roots, rho)
+    return np.array([root(i) for i in range(len(parent))], dtype=int)
+
+
+def _corners(brep: Brep, face: int) -> list[int]:
+    return [v for loop in brep.faces[face].loops for use in loop for v in brep.edges[use.edge].vertices]
+
+
+def _effective(brep: Brep, ranges: Array, level_edges: Array, level_faces: Array, exact: Array) -> tuple[Array, Array, Array]:
+    """Effective radii of vertices, edges and faces.
+
+    A group that holds a coaxial cylinder counts as its radius; any other as its lowest point (a layer inside of the band then
+    has all of it below, which is the one-sided rule).
+    """
+    roots = _groups(brep, level_edges, level_faces)
+    count = len(brep.vertices)
+    lowest, cylinder = np.full(count, np.inf), np.full(count, np.inf)
+    np.minimum.at(lowest, roots, radii_of(brep.vertices))
     for number in np.flatnonzero(level_edges):
         group = roots[brep.edges[number].vertices[0]]
         lowest[group] = min(lowest[group], ranges[number, 0])
-    vertex = lowest[roots]
+    for number in np.flatnonzero(np.isfinite(exact)):
+        group = roots[_corners(brep, int(number))[0]]
+        cylinder[group] = min(cylinder[group], exact[number])
+    vertex = np.where(np.isfinite(cylinder), cylinder, lowest)[roots]
     edge_level = np.array(
         [vertex[e.vertices[0]] if level else np.nan for e, level in zip(brep.edges, level_edges, strict=True)]
     )
     face_level = np.array(
         [
-            vertex[brep.edges[f.loops[0][0].edge].vertices[0]] if level and f.loops else np.nan
-            for f, level in zip(brep.faces, level_faces, strict=True)
+            vertex[_corners(brep, i)[0]] if level and f.loops else np.nan
+            for i, (f, level) in enumerate(zip(brep.faces, level_faces, strict=True))
         ]
     )
     return vertex, edge_level, face_level

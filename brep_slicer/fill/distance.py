@@ -54,12 +54,12 @@ class Outline:
         return best, away / np.maximum(best, 1e-300)[:, None]
 
     def _curved_feet(self, q: Array):
-        """Feet of the perpendiculars on the curved curves, from the three nearest samples (n, 2) each."""
+        """Feet of the perpendiculars on the curved curves, from the two nearest samples (n, 2) each."""
         if not len(self.samples):
             return
         from scipy.spatial import cKDTree
 
-        count = min(4, len(self.samples))
+        count = min(2, len(self.samples))
         _, near = cKDTree(self.samples).query(q, k=count)
         near = near.reshape(len(q), count)
         for column in range(count):
@@ -87,7 +87,8 @@ def _feet(curve: Curve, s: Array, q: Array) -> Array:
         slope = square - np.einsum("ij,ij->i", q - p, bend)
         step = np.einsum("ij,ij->i", q - p, d) / np.where(slope > 0.1 * square, slope, square)
         new = np.clip(s + step, 0.0, 1.0)
-        done = np.abs(new - s).max(initial=0.0) < 1e-15
+        # the distance is stationary at its foot: an error e in s changes it by e**2
+        done = np.abs(new - s).max(initial=0.0) < 1e-9
         s = new
         if done:
             break
@@ -128,6 +129,8 @@ def ends_at_inset(outline: Outline, points: Array, outwards: Array, *, inset: fl
         gap, away = outline.distances(points + moved[:, None] * outwards)
         good = gap >= inset - 1e-12
         best = np.where(good & (moved > best), moved, best)
+        if (good & (np.abs(gap - inset) <= 1e-12)).all():
+            break
         rate = np.einsum("ij,ij->i", away, outwards)
         rate = np.where(rate < -1e-3, rate, -1e-3)
         moved = np.clip(moved + (inset - gap) / rate, 0.0, limit)

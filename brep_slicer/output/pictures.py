@@ -142,15 +142,16 @@ def draw_toolpath(plan: Plan, path: str | Path) -> Path:
     axes = figure.add_axes((0.0, 0.0, 1.0, 0.94), projection="3d")
     toolpath = plan.toolpath
     laid, moved = _segments(toolpath)
-    axes.add_collection3d(Line3DCollection(moved, colors=TRAVEL, linewidths=0.25, alpha=0.6))
-    axes.add_collection3d(Line3DCollection(laid, colors=DEPOSIT, linewidths=0.5))
+    for segments, color, width in ((moved, TRAVEL, 0.25), (laid, DEPOSIT, 0.6)):
+        if len(segments):
+            axes.add_collection3d(Line3DCollection(segments, colors=color, linewidths=width))
     rings = _substrate_rings(plan)
     axes.add_collection3d(Line3DCollection(rings, colors=OUTLINE, linewidths=0.6))
     everything = np.concatenate([toolpath.points, *rings]) if len(toolpath) else np.concatenate(rings)
     low, high = everything.min(axis=0), everything.max(axis=0)
     for setter, a, b in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), low, high, strict=True):
         setter(a, b)
-    axes.set_box_aspect(np.maximum(high - low, 1e-3 * (high - low).max()), zoom=1.0)
+    axes.set_box_aspect(np.maximum(high - low, 1e-3 * (high - low).max()), zoom=1.15)
     axes.set_xlabel("x, mm")
     axes.set_ylabel("y, mm")
     axes.set_zlabel("z, mm")

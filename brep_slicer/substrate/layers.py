@@ -12,8 +12,11 @@ from dataclasses import dataclass, replace
 from brep_slicer.errors import InputError, PlanningError
 from brep_slicer.process import CutAt, LastLayer, Process
 
-# A height that is a multiple of t to this (mm) is one: 43.4 / 1.4 is 31, whatever its binary digits say (DESIGN section 5).
-HEIGHT_BAND = 1e-6
+# A height that is a multiple of t to this (mm) is one: 43.4 / 1.4 is 31, whatever its binary digits say; lands swept as
+# B-splines deviate from their cylinder by as much (DESIGN sections 4 and 5).
+HEIGHT_BAND = 2e-5
+# So is one that misses by this share of t: a last layer thinner than a thousandth of the others is noise of the file.
+HEIGHT_SHARE = 1e-3
 # A file with more layers than this is a slip of the unit or of t.
 MOST_LAYERS = 100_000
 
@@ -59,7 +62,7 @@ def _stacked(substrate: float, height: float, process: Process) -> LayerStack:
         raise InputError(f"layer thickness {first:g} mm gives {height / first:.0f} layers; check its unit")
     thicknesses: list[float] = []
     total = 0.0
-    while total < height - HEIGHT_BAND:
+    while total < height - max(HEIGHT_BAND, HEIGHT_SHARE * process.thickness(len(thicknesses))):
         thicknesses.append(process.thickness(len(thicknesses)))
         # one product where t is constant: no sum of rounding errors
         total = len(thicknesses) * first if not isinstance(process.layer_thickness, tuple) else math.fsum(thicknesses)

@@ -17,8 +17,8 @@ from .axis import SAME_DIRECTION, SAME_PLACE, Axis
 
 # Cylinders whose radii differ by less (mm) are one: several faces of one shaft in a file with rounded coordinates.
 SAME_RADIUS = 1e-5
-# There is metal beyond a cylinder when the part reaches farther out than this, mm.
-BEYOND = 1e-4
+# There is metal beyond a cylinder when the part reaches farther out than this, mm: more than lands in files deviate.
+BEYOND = 1e-2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -26,6 +26,9 @@ from .traced_faces import arcs_on_traced_face
 ROUNDING = 1e-12
 # Two faces and the edge between them can add up to a jog of this many gaps.
 GAPS = 4.0
+# However grazing the crossing, a jog that is larger than the gaps by more than this (mm) is not explained by them: a twentieth of
+# a narrow bead.
+MOST_JOG = 0.005
 
 
 def sections_by_analysis(solid: CutSolid, radii: Array) -> list[tuple[list[Loop], Certificate] | LayerError]:
@@ -113,7 +116,7 @@ def _allowed_jogs(solid: CutSolid, nodes: Nodes, layers: int) -> Array:
     # at a tangent the crossing moves by sqrt(2 R g) at most
     reach = np.minimum(gap / np.maximum(slope, 1e-12), np.sqrt(2.0 * np.abs(radii_of(nodes.points)) * gap))
     out = np.full(layers, 1e-9)
-    np.maximum.at(out, nodes.layer, GAPS * (gap + reach) + 1e-9)
+    np.maximum.at(out, nodes.layer, GAPS * np.minimum(gap + reach, np.maximum(gap, MOST_JOG)) + 1e-9)
     return out
 
 

@@ -121,6 +121,8 @@ def _add_run(
         edge = brep.edges[use.edge]
         assert edge.curve is not None
         curve = curve_on_cylinder(edge.curve, edge.first, edge.last, radius, forward=use.forward)
+        off = np.abs(radii_of(edge.curve.points(np.linspace(edge.first, edge.last, 33))) - radius).max()
+        arcs.residual[layer] = max(arcs.residual.get(layer, 0.0), float(off))
         following = ends[1] if k == len(inner) - 1 else VERTEX_NODES + edge.vertices[1 if use.forward else 0]
         arcs.add(curve, layer, last, following)
         last = following

@@ -116,11 +116,7 @@ def plan(
             f"{part.source}: no layer meets any metal outside of R {chosen.radius:.6g} mm; check axis and substrate"
         )
     fills = tuple(fill_layer(layer, process) for layer in cut)
-    if not any(fill.beads for fill in fills) and not all(isinstance(layer, FailedLayer) for layer in cut):
-        raise PlanningError(
-            f"{part.source}: no bead fits into any layer, {process.value('inset'):.4g} mm inside of its outline; make the bead"
-            " narrower (-w), the inset smaller (--inset) or the step-over smaller (-d)"
-        )
+    _check_beads(part, process, cut, fills)
     standing = obstacles_of([s.brep for s in solids if s.index in chosen.solids], chosen.radius)
     toolpath = lift_layers(_deposits(cut, fills, stack), motion_of(process), axis, standing)
     return Plan(
@@ -143,6 +139,15 @@ def _check_step_over(part: Part, process: Process, highest: float) -> None:
         raise InputError(
             f"{part.source}: step-over {process.step_over:g} mm is larger than the part (R {highest:.6g} mm); make it smaller"
         )
+
+
+def _check_beads(part: Part, process: Process, layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill]) -> None:
+    if any(fill.beads for fill in fills) or all(isinstance(layer, FailedLayer) for layer in layers):
+        return
+    raise PlanningError(
+        f"{part.source}: no bead fits into any layer, {process.value('inset'):.4g} mm inside of its outline; make the bead"
+        " narrower (-w), the inset smaller (--inset) or the step-over smaller (-d)"
+    )
 
 
 def _cut(

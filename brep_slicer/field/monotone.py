@@ -17,7 +17,7 @@ from brep_slicer.geometry import Brep, Edge, ElementarySurface, SurfaceKind
 from brep_slicer.geometry.edge_curves import EdgeCurve, LineEdge
 from brep_slicer.maps import Array
 
-from .radial import COINCIDENCE_BAND, radii_of
+from .radial import COINCIDENCE_BAND, SNAP, radii_of
 
 # Chebyshev nodes a smooth piece: the derivative of rho**2 on a B-spline of degree 9 has degree 17, on a quarter ellipse its
 # coefficients fall below 1e-16 after 20.
@@ -55,7 +55,10 @@ def edge_stretches(brep: Brep) -> EdgeStretches:
             continue
         t = np.concatenate([[edge.first], cut, [edge.last]])
         rho = radii_of(edge.curve.points(t))
-        extremes.append(rho[1:-1])
+        extremes.append(rho[1:-1].copy())
+        # a layer that just touches the lowest point of an edge does not cross it: nothing is cut off, and no two nodes coincide
+        turns_up = (rho[1:-1] < rho[:-2]) & (rho[1:-1] < rho[2:])
+        rho[1:-1] += np.where(turns_up, 2.0 * SNAP, 0.0)
         rho[0], rho[-1] = vertex_rho[edge.vertices[0]], vertex_rho[edge.vertices[1]]
         edges.append(np.full(len(t) - 1, number))
         params.append(np.stack([t[:-1], t[1:]], axis=1))

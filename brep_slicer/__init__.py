@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from .output.tables import read_toolpath
     from .output.write import write_plan
     from .part import Part, Solid, as_part, read_step
-    from .plan import Plan, plan
+    from .planning import Plan, plan
     from .process import CutAt, LastLayer, Process, read_process
     from .region import FailedLayer, Layer, Piece, Region, slice_part
     from .section import Certificate, Engine
@@ -34,7 +34,7 @@ _HOMES = {
     "output.tables": ("read_toolpath",),
     "output.write": ("write_plan",),
     "part": ("Part", "Solid", "as_part", "read_step"),
-    "plan": ("Plan", "plan"),
+    "planning": ("Plan", "plan"),
     "process": ("CutAt", "LastLayer", "Process", "read_process"),
     "region": ("FailedLayer", "Layer", "Piece", "Region", "slice_part"),
     "section": ("Certificate", "Engine"),
@@ -51,7 +51,6 @@ def __getattr__(name: str) -> Any:
     if name not in _HOME_OF:
         raise AttributeError(f"module 'brep_slicer' has no attribute {name!r}")
     value = getattr(importlib.import_module(f"brep_slicer.{_HOME_OF[name]}"), name)
-    # the function `plan` shares its name with its module: the import above has set the module
     globals()[name] = value
     return value
 

@@ -145,8 +145,8 @@ def plan(
     """Plan the deposition of a part: toolpath.csv, toolpath.json, report.json, layers.png, toolpath.png."""
     from brep_slicer.output.atomic import ensure_folder
     from brep_slicer.output.write import write_plan
-    from brep_slicer.plan import check_complete
-    from brep_slicer.plan import plan as plan_part
+    from brep_slicer.planning import check_complete
+    from brep_slicer.planning import plan as plan_part
 
     given = {
         "layer_thickness": layer_thickness,

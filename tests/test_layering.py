@@ -22,7 +22,7 @@ FLOW = [
     {"region"},
     {"fill"},
     {"toolpath"},
-    {"inspection", "plan"},
+    {"inspection", "planning"},
     {"output"},
     {"cli"},
 ]
@@ -62,7 +62,7 @@ def test_no_module_reaches_back_up_the_flow(path):
         if parts[0] == "OCP":
             assert stage == "kernel", f"{path} imports {name}"
         # a plan's report is written by output/, which the plan hands itself to
-        handed_on = stage == "plan" and parts[1:2] == ["output"]
+        handed_on = stage == "planning" and parts[1:2] == ["output"]
         if parts[0] == "brep_slicer" and len(parts) > 1 and not typing_only and not handed_on:
             assert RANK[parts[1]] <= RANK[stage], f"{stage} imports {name}, which comes later in the flow"
 
@@ -91,4 +91,4 @@ def test_import_is_light():
 
 
 def test_region_and_fill_do_not_need_a_kernel():
-    assert "OCP" not in _loaded_by("import brep_slicer.region, brep_slicer.fill, brep_slicer.toolpath, brep_slicer.plan")
+    assert "OCP" not in _loaded_by("import brep_slicer.region, brep_slicer.fill, brep_slicer.toolpath, brep_slicer.planning")

@@ -15,7 +15,7 @@ from brep_slicer.region import Layer
 from .atomic import write_whole
 
 if TYPE_CHECKING:
-    from brep_slicer.plan import Plan
+    from brep_slicer.planning import Plan
 
 
 def write_dxf(plan: Plan, path: str | Path) -> Path:

@@ -24,7 +24,7 @@ from .report import header_of_plan
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from brep_slicer.plan import Plan
+    from brep_slicer.planning import Plan
 
 DEPOSIT, TRAVEL, METAL, OUTLINE = "#c8102e", "#1f5fbf", "#e9e4da", "#3c3c3c"
 # A page of layers shows at most this many; more are sampled evenly, first and last among them.

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from brep_slicer.region import FailedLayer, Layer
 
 if TYPE_CHECKING:
-    from brep_slicer.plan import Plan
+    from brep_slicer.planning import Plan
 
 
 def version() -> str:

@@ -13,7 +13,7 @@ import numpy as np
 from .atomic import write_whole
 
 if TYPE_CHECKING:
-    from brep_slicer.plan import Plan
+    from brep_slicer.planning import Plan
 
 
 def write_bead_wires(plan: Plan, path: str | Path) -> Path:

@@ -15,7 +15,7 @@ from .report import header_of_plan
 from .tables import csv_from_toolpath, csv_metadata, json_from_toolpath
 
 if TYPE_CHECKING:
-    from brep_slicer.plan import Plan
+    from brep_slicer.planning import Plan
 
 
 def write_plan(

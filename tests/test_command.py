@@ -1,0 +1,195 @@
+"""The command and its files: exit codes, one line for every error, nothing half written, everything read back."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import brep_slicer as bs
+
+ROOT = Path(__file__).resolve().parent.parent
+TOOTH = ROOT / "fixtures" / "step" / "spur_gear_tooth.step"
+FILES = {"report.json", "toolpath.csv", "toolpath.csv-metadata.json", "toolpath.json", "layers.png", "toolpath.png"}
+
+
+def run(*words, cwd=ROOT):
+    env = os.environ | {"PYTHONPATH": str(ROOT)}
+    return subprocess.run(
+        [sys.executable, "-m", "brep_slicer.cli", *map(str, words)], capture_output=True, text=True, cwd=cwd, env=env
+    )
+
+
+@pytest.fixture(scope="module")
+def planned(tmp_path_factory):
+    out = tmp_path_factory.mktemp("plan")
+    done = run("plan", TOOTH, "-t", 1.4, "-d", 3.4, "-o", out, "--layers", "0:3", "--contours", 1, "--angle", 0, "--angle", 45, "--step", "--dxf")
+    assert done.returncode == 0, done.stderr
+    return out, done
+
+
+def test_all_files_are_written(planned):
+    out, done = planned
+    assert {p.name for p in out.iterdir()} == FILES | {"beads.step", "layers.dxf"}
+    assert "3 layers on R 150 mm" in done.stdout
+    assert "3 by analytic" in done.stdout
+
+
+def test_the_report_says_what_was_done(planned):
+    report = json.loads((planned[0] / "report.json").read_text())
+    assert report["process"]["contours"] == 1
+    assert report["assumed"]["deposition_speed_mm_s"] == 9.0
+    assert "contours" not in report["assumed"]
+    assert report["totals"]["powder_mass_g"] is None
+    assert report["process"]["laser_power_w"] is None
+    assert [la["layer"] for la in report["layers"]] == [0, 1, 2]
+    assert {la["engine"] for la in report["layers"]} == {"analytic"}
+    assert report["layers"][1]["hatch_angle_deg"] == pytest.approx([45.0])
+
+
+def test_csv_json_and_the_toolpath_are_the_same(planned):
+    path = bs.read_toolpath(planned[0] / "toolpath.json")
+    with (planned[0] / "toolpath.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == len(path)
+    names = "layer,bead,kind,x,y,z,nx,ny,nz,kappa,v,radius,speed"
+    assert ",".join(rows[0]) == names
+    for name, column in (("x", path.points[:, 0]), ("nz", path.normals[:, 2]), ("kappa", path.kappa), ("speed", path.speed)):
+        assert np.array_equal([float(r[name]) for r in rows], column)
+    assert {r["kind"] for r in rows} == {"deposit", "travel"}
+    again = bs.plan(bs.read_step(TOOTH), bs.Process(layer_thickness=1.4, step_over=3.4, contours=1, hatch_angles=(0.0, np.radians(45.0))), layers=(0, 3))
+    assert again.toolpath == path
+
+
+def test_every_output_says_with_what_it_was_made(planned):
+    from PIL import Image
+
+    out = planned[0]
+    for name in ("report.json", "toolpath.json"):
+        data = json.loads((out / name).read_text())
+        assert data["process"]["step_over"] == 3.4
+        assert data["brep_slicer"]
+    assert json.loads((out / "toolpath.csv-metadata.json").read_text())["notes"][0]["process"]["step_over"] == 3.4
+    for name in ("layers.png", "toolpath.png"):
+        assert json.loads(Image.open(out / name).text["Description"])["process"]["step_over"] == 3.4
+
+
+def test_the_beads_come_back_from_step_and_dxf(planned):
+    import ezdxf
+
+    assert (planned[0] / "beads.step").read_text().count("TRIMMED_CURVE(") > 10
+    drawing = ezdxf.readfile(planned[0] / "layers.dxf")
+    report = json.loads((planned[0] / "report.json").read_text())
+    assert len(drawing.modelspace().query("LWPOLYLINE[layer=='BEADS-0000']")) == report["layers"][0]["beads"]
+
+
+BAD = {
+    "no such file": (["plan", "none.step", "-t", 1, "-d", 1], 2, "none.step: there is no such file"),
+    "no thickness": (["plan", TOOTH, "-d", 1], 2, "give -t and -d"),
+    "zero": (["plan", TOOTH, "-t", 0, "-d", 1], 2, "layer_thickness is 0; it must be greater than zero"),
+    "negative": (["plan", TOOTH, "-t", 1, "-d", -3], 2, "step_over is -3"),
+    "not a number": (["plan", TOOTH, "-t", "nan", "-d", 1], 2, "must be a finite number"),
+    "thicker than the part": (["plan", TOOTH, "-t", 90, "-d", 1], 2, "larger than the whole height"),
+    "wider than the part": (["plan", TOOTH, "-t", 1, "-d", 900], 2, "step-over 900 mm is larger than the part"),
+    "no axis like that": (["plan", TOOTH, "-t", 1, "-d", 1, "--axis", "Q"], 2, "axis 'Q' is not understood"),
+    "substrate outside": (["plan", TOOTH, "-t", 1, "-d", 1, "--substrate", 500], 2, "leaves nothing to build"),
+    "no such solid": (["plan", TOOTH, "-t", 1, "-d", 1, "--solid", "x"], 2, "there is no solid 'x'"),
+    "no such layers": (["plan", TOOTH, "-t", 1.4, "-d", 1, "--layers", "99:"], 2, "give a:b within 0:31"),
+    "layers in words": (["plan", TOOTH, "-t", 1.4, "-d", 1, "--layers", "all"], 2, "give a:b"),
+    "last layer": (["plan", TOOTH, "-t", 1.4, "-d", 1, "--last-layer", "eat"], 2, "keep, drop, stretch"),
+    "engine": (["plan", TOOTH, "-t", 1.4, "-d", 1, "--engine", "steam"], 2, "analytic, boolean"),
+    "no bead fits": (["plan", TOOTH, "-t", 1.4, "-d", 80, "--layers", "0:1"], 3, "no bead fits into any layer"),
+    "nothing beyond": (["plan", ROOT / "fixtures/step/cylinder.step", "-t", 1, "-d", 1], 3, "--substrate RADIUS"),
+    "nothing to view": (["view", ROOT / "tests"], 2, "run brep-slicer plan first"),
+    "usage": (["plan"], 2, "Missing argument"),
+}
+
+
+@pytest.mark.parametrize(("words", "code", "said"), BAD.values(), ids=BAD)
+def test_bad_input_is_one_clear_line(words, code, said, tmp_path):
+    out = tmp_path / "out"
+    done = run(*words, *(["-o", out] if words[0] == "plan" and len(words) > 1 else []))
+    assert done.returncode == code, done.stderr
+    assert said in done.stderr
+    assert "Traceback" not in done.stderr
+    if said != "Missing argument":
+        assert len(done.stderr.strip().splitlines()) == 1
+    assert not out.exists() or not any(out.iterdir())
+
+
+def test_an_output_folder_that_is_a_file(tmp_path):
+    (tmp_path / "out").write_text("here first")
+    done = run("plan", TOOTH, "-t", 1.4, "-d", 3.4, "-o", tmp_path / "out")
+    assert done.returncode == 2
+    assert "this is a file; give a folder" in done.stderr
+    assert (tmp_path / "out").read_text() == "here first"
+
+
+def test_inspect_for_people_and_for_programs():
+    done = run("inspect", TOOTH)
+    assert done.returncode == 0
+    assert "substrate: R 150 mm" in done.stdout
+    data = json.loads(run("inspect", TOOTH, "--json").stdout)
+    assert data["substrate_radius_mm"] == pytest.approx(150.0)
+    assert data["axis"]["direction"] == [0.0, 0.0, 1.0]
+    assert data["overhang_share"] == 0.0
+    blade = json.loads(run("inspect", ROOT / "fixtures/step/wind_blade.step", "--axis", "Z", "--json").stdout)
+    assert blade["overhang_share"] > 0.05
+
+
+def test_view_names_the_pictures(planned):
+    done = run("view", planned[0])
+    assert done.stdout.split() == [str(planned[0] / "layers.png"), str(planned[0] / "toolpath.png")]
+
+
+def test_help_is_there():
+    for words in (["--help"], ["plan", "--help"], ["inspect", "--help"], ["view", "--help"], ["--version"]):
+        done = run(*words)
+        assert done.returncode == 0
+        assert done.stdout
+
+
+def test_a_failed_layer_writes_the_report_alone(tmp_path, monkeypatch):
+    from brep_slicer.errors import LayerError
+    from brep_slicer.output.write import write_plan
+    from brep_slicer.planning import check_complete
+    from brep_slicer.region import slicing
+
+    real = slicing.sections_by_analysis
+
+    def broken(solid, radii):
+        found = real(solid, radii)
+        found[1] = LayerError("made to fail")
+        return found
+
+    def no_second_opinion(*args, **kwargs):
+        raise LayerError("neither can this one")
+
+    monkeypatch.setattr(slicing, "sections_by_analysis", broken)
+    monkeypatch.setattr(slicing, "section_by_boolean", no_second_opinion)
+    plan = bs.plan(bs.read_step(TOOTH), bs.Process(layer_thickness=1.4, step_over=3.4), layers=(0, 3))
+    assert [layer.failed for layer in plan.layers] == [False, True, False]
+    assert [p.name for p in write_plan(plan, tmp_path)] == ["report.json"]
+    report = json.loads((tmp_path / "report.json").read_text())
+    assert report["failed_layers"] == 1
+    assert "area_mm2" not in report["layers"][1]
+    with pytest.raises(LayerError, match=r"1 of 3 layers failed, first layer 1 .*--allow-failed") as caught:
+        check_complete(plan)
+    assert caught.value.exit_code == 4
+    assert len(write_plan(plan, tmp_path / "anyway", allow_failed=True)) == len(FILES)
+
+
+def test_a_fallback_is_said(monkeypatch):
+    from brep_slicer.errors import LayerError
+    from brep_slicer.region import slicing
+
+    monkeypatch.setattr(slicing, "sections_by_analysis", lambda solid, radii: [LayerError("made to fail")] * len(radii))
+    (layer,) = bs.slice_part(bs.read_step(TOOTH), [170.0])
+    assert layer.certificate.engine is bs.Engine.BOOLEAN
+    assert layer.certificate.fallback == "made to fail"

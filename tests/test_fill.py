@@ -1,0 +1,161 @@
+"""Beads in the plane: exact step-over, exact inset, nothing lost, the full turn closed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from brep_slicer.curves import LineCurve, Loop, SinusoidCurve
+from brep_slicer.fill import Contours, Hatch, PatternSequence, fill_region
+from brep_slicer.fill.distance import Outline
+from brep_slicer.fill.full_turn import closing_lines
+from brep_slicer.region import Region, region_from_loops
+
+R = 20.0
+TURN = 2.0 * math.pi * R
+D, W = 3.4, 4.9
+ARGS = {"step_over": D, "width": W, "inset": 0.5 * W, "chord": 0.005}
+
+
+def rectangle(k0, v0, k1, v1, *, hole=False):
+    corners = [(k0, v0), (k1, v0), (k1, v1), (k0, v1)]
+    corners = corners[::-1] if hole else corners
+    return Loop(curves=tuple(LineCurve(p0=corners[i], p1=corners[(i + 1) % 4]) for i in range(4)), radius=R)
+
+
+def box() -> Region:
+    return region_from_loops(R, [rectangle(-10.0, 0.0, 15.0, 30.0)])
+
+
+def band() -> Region:
+    lower = Loop(curves=(LineCurve(p0=(0.0, 0.0), p1=(TURN, 0.0)),), radius=R, winding=1)
+    upper = Loop(curves=(LineCurve(p0=(TURN, 40.0), p1=(0.0, 40.0)),), radius=R, winding=-1)
+    return region_from_loops(R, [lower, upper, rectangle(55.0, 10.0, 70.0, 30.0, hole=True)])
+
+
+def wavy() -> Region:
+    top = SinusoidCurve(coefficients=np.array([20.0, 3.0, 1.0]), radius=R, range=(12.0, -12.0))
+    sides = [LineCurve(p0=(-12.0, 0.0), p1=(12.0, 0.0)), LineCurve(p0=(12.0, 0.0), p1=top.start), top, LineCurve(p0=top.end, p1=(-12.0, 0.0))]
+    return region_from_loops(R, [Loop(curves=tuple(sides), radius=R)])
+
+
+REGIONS = {"box": box, "band": band, "wavy": wavy}
+angle_deg = st.one_of(st.sampled_from([0.0, 90.0, 45.0, -30.0, 180.0]), st.floats(-180.0, 180.0))
+
+
+def along(points: np.ndarray, step: float = 0.05) -> np.ndarray:
+    parts = [np.linspace(a, b, max(2, int(np.hypot(*(b - a)) / step))) for a, b in zip(points[:-1], points[1:], strict=True)]
+    return np.concatenate(parts)
+
+
+@pytest.mark.parametrize("make", REGIONS.values(), ids=REGIONS)
+@given(degrees=angle_deg)
+@settings(max_examples=25, deadline=None)
+def test_hatch_keeps_its_inset_and_ends_on_it(make, degrees):
+    region = make()
+    fill = fill_region(region, Hatch(angle=math.radians(degrees)), **ARGS)
+    outline = Outline(region.pieces[0], 0.5 * W)
+    gaps, _ = outline.distances(np.concatenate([along(b.points) for b in fill.beads]))
+    assert gaps.min() >= 0.5 * W - 1e-9
+    ends = np.concatenate([b.points for b in fill.beads if not b.closed] or [np.zeros((0, 2))])
+    if len(ends):
+        gaps, _ = outline.distances(ends)
+        # a grazing line may stop short where sliding on would take it more than the outline's slack allows
+        assert np.quantile(np.abs(gaps - 0.5 * W), 0.8) <= 1e-9
+
+
+@pytest.mark.parametrize("make", REGIONS.values(), ids=REGIONS)
+@given(degrees=angle_deg)
+@settings(max_examples=25, deadline=None)
+def test_hatch_lines_are_a_step_over_apart(make, degrees):
+    fill = fill_region(make(), Hatch(angle=math.radians(degrees)), **ARGS)
+    angle, step = fill.angle[0], fill.step_over[0]
+    offset = np.array([b.points[0] @ [-math.sin(angle), math.cos(angle)] for b in fill.beads]) / step
+    assert np.abs((offset - offset[0]) - np.round(offset - offset[0])).max() < 1e-9
+    for bead in fill.beads:
+        assert np.abs(np.diff(bead.points @ [-math.sin(angle), math.cos(angle)])).max() < 1e-9
+
+
+@given(st.floats(5.0, 500.0), st.floats(-180.0, 180.0), st.floats(0.2, 5.0))
+def test_lines_close_round_the_shaft(radius, degrees, step):
+    # L sin(phi) = k d, k whole (DESIGN section 4)
+    turn = 2.0 * math.pi * radius
+    angle, spacing, k = closing_lines(turn, math.radians(degrees), step)
+    assert turn * math.sin(angle) == pytest.approx(k * spacing, rel=1e-9, abs=1e-9)
+    assert -0.5 * math.pi < angle <= 0.5 * math.pi + 1e-12
+    if abs(math.degrees(angle)) < 79.0 and turn > 2.0 * step:
+        assert spacing == step
+
+
+def test_rings_close_and_a_hatch_crosses_the_seam():
+    rings = fill_region(band(), Hatch(angle=0.0), **ARGS)
+    closed = [b for b in rings.beads if b.closed]
+    assert len(closed) == 4
+    assert all(b.length() == pytest.approx(TURN, rel=1e-12) for b in closed)
+    hatch = fill_region(band(), Hatch(angle=math.radians(10.0)), **ARGS)
+    # no bead ends at the seam: every end lies at the inset from a real edge
+    assert max(b.length() for b in hatch.beads) > TURN
+
+
+@given(st.floats(0.0, TURN))
+@settings(max_examples=20, deadline=None)
+def test_where_a_band_is_cut_open_is_nobodys_business(start):
+    lower = Loop(curves=(LineCurve(p0=(start, 0.0), p1=(start + TURN, 0.0)),), radius=R, winding=1)
+    upper = Loop(curves=(LineCurve(p0=(start + TURN, 40.0), p1=(start, 40.0)),), radius=R, winding=-1)
+    region = region_from_loops(R, [lower, upper, rectangle(55.0, 10.0, 70.0, 30.0, hole=True)])
+    for pattern in (Hatch(angle=math.radians(30.0)), Contours(count=2)):
+        lengths = [np.sort([b.length() for b in fill_region(r, pattern, **ARGS).beads]) for r in (region, band())]
+        assert np.allclose(lengths[0], lengths[1], atol=1e-6)
+
+
+def test_both_ways_alternates():
+    fill = fill_region(box(), Hatch(angle=0.0), **ARGS)
+    ways = [np.sign(b.points[1, 0] - b.points[0, 0]) for b in fill.beads]
+    assert ways == [(-1.0) ** i * ways[0] for i in range(len(ways))]
+    one_way = fill_region(box(), Hatch(angle=0.0, both_ways=False), **ARGS)
+    assert {np.sign(b.points[1, 0] - b.points[0, 0]) for b in one_way.beads} == {1.0}
+
+
+@pytest.mark.parametrize("make", REGIONS.values(), ids=REGIONS)
+def test_contours_are_step_overs_inside(make):
+    region = make()
+    fill = fill_region(region, Contours(count=2), **ARGS)
+    outline = Outline(region.pieces[0], 0.5 * W)
+    for bead in fill.beads:
+        gaps, _ = outline.distances(bead.points)
+        nearest = 0.5 * W if gaps.min() < 0.5 * W + 0.5 * D else 0.5 * W + D
+        assert nearest <= gaps.min() <= nearest + 0.02
+        assert bead.closed
+
+
+def test_contours_then_hatch_keep_apart():
+    fill = fill_region(box(), PatternSequence(patterns=(Contours(count=1), Hatch(angle=0.3))), **ARGS)
+    assert [b.kind.value for b in fill.beads[:2]] == ["contour", "hatch"]
+    outline = Outline(box().pieces[0], W)
+    gaps, _ = outline.distances(np.concatenate([b.points for b in fill.beads[1:]]))
+    assert gaps.min() >= 0.5 * W + D - 1e-9
+
+
+def test_a_piece_without_a_bead_is_said():
+    narrow = region_from_loops(R, [rectangle(0.0, 0.0, 4.0, 30.0)])
+    fill = fill_region(narrow, Hatch(angle=0.0), **ARGS)
+    assert not fill.beads
+    assert "too narrow for a bead" in fill.notes[0]
+
+
+@given(st.floats(2.45 * D, 40.0))
+@settings(max_examples=30, deadline=None)
+def test_a_wide_piece_gets_two_beads_at_least(width):
+    region = region_from_loops(R, [rectangle(0.0, 0.0, 30.0, width)])
+    assert len(fill_region(region, Hatch(angle=0.0), **ARGS).beads) >= 2
+
+
+def test_short_beads_are_counted():
+    region = region_from_loops(R, [rectangle(0.0, 0.0, 6.0, 30.0)])
+    fill = fill_region(region, Hatch(angle=0.0), **ARGS, shortest_bead=2.0)
+    assert not fill.beads
+    assert "beads shorter than 2 mm left out" in fill.notes[0]

@@ -1,0 +1,159 @@
+"""The lifted toolpath: points on their cylinders, normals outwards, travels clear of everything that stands."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import brep_slicer as bs
+from brep_slicer.substrate.axis import axis_from_line, axis_from_text
+
+Z = axis_from_text("Z")
+
+
+@pytest.fixture(scope="module")
+def tooth_plan():
+    fixtures = Path(__file__).resolve().parent.parent / "fixtures" / "step"
+
+    part = bs.read_step(fixtures / "helical_gear_tooth.step")
+    return bs.plan(part, bs.Process(layer_thickness=1.4, step_over=3.4, hatch_angles=(0.0, math.radians(67.0))))
+
+
+def test_every_point_lies_on_its_cylinder_with_its_normal(tooth_plan):
+    path = tooth_plan.toolpath
+    p = tooth_plan.axis.axis_from_file(path.points)
+    rho = np.hypot(p[:, 0], p[:, 1])
+    assert np.allclose(rho, path.radius, rtol=1e-13)
+    theta = path.kappa / path.radius
+    assert np.allclose(p, np.stack([rho * np.cos(theta), rho * np.sin(theta), path.v], axis=1), atol=1e-9)
+    assert np.allclose(path.normals, np.stack([np.cos(theta), np.sin(theta), 0 * theta], axis=1), atol=1e-12)
+
+
+def test_deposited_points_lie_on_the_nominal_radius(tooth_plan):
+    path = tooth_plan.toolpath
+    assert len(tooth_plan.layers) == 24
+    assert np.allclose(path.radius[path.deposits], 150.0 + 1.4 * path.layer[path.deposits], rtol=1e-14)
+
+
+def test_beads_are_sampled_to_the_chord(tooth_plan):
+    path = tooth_plan.toolpath
+    step = np.abs(np.diff(path.kappa / path.radius))[path.deposits[1:]]
+    sagitta = path.radius[1:][path.deposits[1:]] * (1.0 - np.cos(0.5 * step))
+    assert sagitta.max() <= 0.01 * (1.0 + 1e-6)
+
+
+def test_step_over_measured_on_the_emitted_points(tooth_plan):
+    """|geodesic spacing - d| <= 1e-6 between neighbouring hatch beads, from the 3D points alone."""
+    path, spacings = tooth_plan.toolpath, 0
+    p = tooth_plan.axis.axis_from_file(path.points)
+    for layer in tooth_plan.layers:
+        on = np.flatnonzero((path.layer == layer.index) & (path.radius == layer.radius))
+        theta, z = np.arctan2(p[on, 1], p[on, 0]), p[on, 2]
+        flat = np.stack([layer.radius * theta, z], axis=1)
+        ids = path.bead[on]
+        beads = [flat[ids == b] for b in np.unique(ids)]
+        longest = max(beads, key=lambda b: np.hypot(*(b[-1] - b[0])))
+        along = (longest[-1] - longest[0]) / np.hypot(*(longest[-1] - longest[0]))
+        across = np.sort([float(b.mean(axis=0) @ [-along[1], along[0]]) for b in beads])
+        gaps = np.diff(across)
+        gaps = gaps[gaps > 0.5]
+        assert np.abs(gaps - 3.4).max() <= 1e-6
+        spacings += len(gaps)
+    assert spacings > 250
+
+
+def test_travels_stay_outside_of_what_stands(tooth_plan):
+    """Finely along every travel segment as the machine runs it (a chord): never below the layers built so far."""
+    path = tooth_plan.toolpath
+    p = tooth_plan.axis.axis_from_file(path.points)
+    share = np.linspace(0.0, 1.0, 33)[None, :, None]
+    moves = np.flatnonzero(~path.deposits[1:]) + 1
+    chords = p[moves - 1][:, None] * (1.0 - share) + p[moves][:, None] * share
+    rho = np.hypot(chords[..., 0], chords[..., 1])
+    floor = 150.0 + 1.4 * path.layer[moves]
+    # a retract starts on the layer it leaves, at most one below the one it goes to
+    assert (rho.min(axis=1) >= floor - 1.4 - 1e-9).all()
+    sideways = np.abs(path.radius[moves] - path.radius[moves - 1]) < 1e-12
+    # between beads the nozzle moves above the metal of its own layer
+    assert (rho[sideways].min(axis=1) >= floor[sideways] + 1.4).all()
+
+
+def test_travels_never_cut_through_the_part(tooth_plan):
+    """Against the solid itself: inside of a layer's region at its own radius, nothing that moves sideways is found."""
+    import shapely
+
+    path = tooth_plan.toolpath
+    part_layers = {la.index: la for la in tooth_plan.layers}
+    moves = np.flatnonzero(~path.deposits[1:]) + 1
+    sideways = moves[np.abs(path.radius[moves] - path.radius[moves - 1]) < 1e-12]
+    checked = 0
+    for layer in (0, 5, 12, 23):
+        built = part_layers[layer]
+        polygon = built.region.to_shapely(chord=0.01)
+        for m in sideways[path.layer[sideways] == layer]:
+            theta = np.linspace(path.kappa[m - 1], path.kappa[m], 9) / path.radius[m]
+            inside = shapely.contains_xy(polygon, theta * built.radius, np.linspace(path.v[m - 1], path.v[m], 9))
+            # above the region it may pass, but only outside of the metal of this layer
+            assert not (inside & (path.radius[m] < built.radius + 1.4)).any()
+            checked += 1
+    assert checked > 50
+
+
+def test_travels_clear_a_flange():
+    pytest.importorskip("build123d")
+    import build123d as bd
+
+    shaft = bd.Solid.make_cylinder(40.0, 120.0) + bd.Solid.make_cylinder(70.0, 15.0)
+    ring = bd.Solid.make_cylinder(46.0, 30.0, bd.Plane(origin=(0, 0, 15.0))) - bd.Solid.make_cylinder(40.0, 30.0, bd.Plane(origin=(0, 0, 15.0)))
+    key = bd.Solid.make_box(200.0, 60.0, 10.0, bd.Plane((-100.0, -30.0, 20.0)))
+    feature = (ring - key).solids()[0]
+    part = bs.as_part([shaft.solids()[0], feature])
+    plan = bs.plan(part, bs.Process(layer_thickness=2.0, step_over=3.0, hatch_angles=(math.radians(90.0),)), axis=Z, substrate=40.0)
+    assert plan.substrate.solids == (0,)
+    path = plan.toolpath
+    # near the flange (z < 15 plus the margin of half a bead) a travel has to be above its 70 mm
+    near = (path.v < 15.0) & ~path.deposits
+    assert not near.any() or path.radius[near].min() >= 70.0
+    low = path.radius[~path.deposits & (path.v <= 17.0)]
+    assert low.max(initial=0.0) >= 70.0 or not len(low)
+
+
+def test_the_frame_of_the_file_is_kept():
+    pytest.importorskip("build123d")
+    import build123d as bd
+
+    from fixtures import bodies
+
+    process = bs.Process(layer_thickness=4.0, step_over=3.0)
+    straight = bs.plan(bodies.KeyedBand().solid(), process, axis=Z, substrate=44.0)
+    place = bd.Location((30.0, -20.0, 7.0), (25.0, 40.0, 0.0))
+    moved = bodies.KeyedBand().solid().moved(place)
+    tilted = bs.plan(moved, process, axis=axis_from_line((30.0, -20.0, 7.0), tuple(bd.Plane(place).z_dir)), substrate=44.0)
+    assert len(straight.toolpath) == len(tilted.toolpath)
+    lengths = [p.toolpath.segment_lengths()[1:] for p in (straight, tilted)]
+    assert np.sort(lengths[0]) == pytest.approx(np.sort(lengths[1]), abs=1e-6)
+    # normals are perpendicular to the axis and point away from it
+    p = tilted.axis.axis_from_file(tilted.toolpath.points)
+    n = tilted.toolpath.normals @ tilted.axis.rotation.T
+    assert np.abs(n[:, 2]).max() < 1e-12
+    assert np.einsum("ij,ij->i", n[:, :2], p[:, :2]).min() > 0.0
+
+
+def test_beads_and_layers_are_numbered(tooth_plan):
+    path = tooth_plan.toolpath
+    assert (np.diff(path.layer) >= 0).all()
+    assert (np.diff(path.bead) >= 0).all()
+    assert set(np.unique(path.layer)) == set(range(24))
+    for bead in itertools.islice(np.unique(path.bead), 40):
+        assert len(np.unique(path.layer[(path.bead == bead) & path.deposits])) == 1
+
+
+def test_lengths_and_times_add_up(tooth_plan):
+    report = tooth_plan.report()
+    beads = [b.length() for fill in tooth_plan.fills for b in fill.beads]
+    assert report["totals"]["deposition_length_mm"] == pytest.approx(sum(beads), rel=1e-9)
+    assert report["totals"]["deposition_time_s"] == pytest.approx(sum(beads) / 9.0, rel=1e-9)

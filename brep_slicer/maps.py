@@ -8,10 +8,13 @@ unrolled (kappa, gamma, v) with kappa = rho * theta, gamma = rho, v = u; h is th
 
 from __future__ import annotations
 
+from typing import Any, TypeAlias
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
+# float64 throughout; not spelled out, since numpy widens its own results to "some floating type"
+Array: TypeAlias = NDArray[Any]
 
 TURN = 2.0 * np.pi
 

@@ -111,7 +111,8 @@ def _checked_part(pairs: list[tuple[str, Any]], *, source: str, unit: str, solid
     )
     if solids is not None:
         part = part.select(solids)
-    good, notes = [], []
+    good: list[Solid] = []
+    notes: list[str] = []
     for solid in part.solids:
         try:
             wrapped, said = checked_solid(solid.wrapped, solid.name)

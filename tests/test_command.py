@@ -29,7 +29,26 @@ def run(*words, cwd=ROOT):
 @pytest.fixture(scope="module")
 def planned(tmp_path_factory):
     out = tmp_path_factory.mktemp("plan")
-    done = run("plan", TOOTH, "-t", 1.4, "-d", 3.4, "-o", out, "--layers", "0:3", "--contours", 1, "--angle", 0, "--angle", 45, "--step", "--dxf")
+    done = run(
+        "plan",
+        TOOTH,
+        "-t",
+        1.4,
+        "-d",
+        3.4,
+        "-o",
+        out,
+        "--layers",
+        "0:3",
+        "--contours",
+        1,
+        "--angle",
+        0,
+        "--angle",
+        45,
+        "--step",
+        "--dxf",
+    )
     assert done.returncode == 0, done.stderr
     return out, done
 
@@ -63,7 +82,11 @@ def test_csv_json_and_the_toolpath_are_the_same(planned):
     for name, column in (("x", path.points[:, 0]), ("nz", path.normals[:, 2]), ("kappa", path.kappa), ("speed", path.speed)):
         assert np.array_equal([float(r[name]) for r in rows], column)
     assert {r["kind"] for r in rows} == {"deposit", "travel"}
-    again = bs.plan(bs.read_step(TOOTH), bs.Process(layer_thickness=1.4, step_over=3.4, contours=1, hatch_angles=(0.0, np.radians(45.0))), layers=(0, 3))
+    again = bs.plan(
+        bs.read_step(TOOTH),
+        bs.Process(layer_thickness=1.4, step_over=3.4, contours=1, hatch_angles=(0.0, np.radians(45.0))),
+        layers=(0, 3),
+    )
     assert again.toolpath == path
 
 

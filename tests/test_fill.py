@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -39,7 +40,12 @@ def band() -> Region:
 
 def wavy() -> Region:
     top = SinusoidCurve(coefficients=np.array([20.0, 3.0, 1.0]), radius=R, range=(12.0, -12.0))
-    sides = [LineCurve(p0=(-12.0, 0.0), p1=(12.0, 0.0)), LineCurve(p0=(12.0, 0.0), p1=top.start), top, LineCurve(p0=top.end, p1=(-12.0, 0.0))]
+    sides = [
+        LineCurve(p0=(-12.0, 0.0), p1=(12.0, 0.0)),
+        LineCurve(p0=(12.0, 0.0), p1=top.start),
+        top,
+        LineCurve(p0=top.end, p1=(-12.0, 0.0)),
+    ]
     return region_from_loops(R, [Loop(curves=tuple(sides), radius=R)])
 
 
@@ -48,7 +54,7 @@ angle_deg = st.one_of(st.sampled_from([0.0, 90.0, 45.0, -30.0, 180.0]), st.float
 
 
 def along(points: np.ndarray, step: float = 0.05) -> np.ndarray:
-    parts = [np.linspace(a, b, max(2, int(np.hypot(*(b - a)) / step))) for a, b in zip(points[:-1], points[1:], strict=True)]
+    parts = [np.linspace(a, b, max(2, int(np.hypot(*(b - a)) / step))) for a, b in itertools.pairwise(points)]
     return np.concatenate(parts)
 
 

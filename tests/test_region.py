@@ -39,7 +39,9 @@ def test_a_band_with_a_hole_across_the_seam():
 
 @given(st.floats(-300.0, 300.0))
 def test_turning_a_region_changes_nothing(kappa):
-    region = region_from_loops(R, [rectangle(kappa, 0.0, kappa + 30.0, 10.0), rectangle(kappa + 10.0, 2.0, kappa + 20.0, 8.0, hole=True)])
+    region = region_from_loops(
+        R, [rectangle(kappa, 0.0, kappa + 30.0, 10.0), rectangle(kappa + 10.0, 2.0, kappa + 20.0, 8.0, hole=True)]
+    )
     assert region.area == pytest.approx(240.0, rel=1e-12)
     assert len(region.pieces[0].holes) == 1
     k0, _, k1, _ = region.pieces[0].bounds()

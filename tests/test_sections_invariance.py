@@ -22,7 +22,9 @@ FEW = settings(max_examples=12, deadline=None)
 
 def areas(shape, radii, axis=Z):
     layers = bs.slice_part(shape, list(radii), axis=axis)
-    assert all(layer.certificate.engine is bs.Engine.ANALYTIC for layer in layers), [layer.certificate.fallback for layer in layers]
+    assert all(layer.certificate.engine is bs.Engine.ANALYTIC for layer in layers), [
+        layer.certificate.fallback for layer in layers
+    ]
     return [layer.area for layer in layers]
 
 
@@ -71,7 +73,14 @@ def test_scaling(solid, radii, factor):
 @pytest.mark.parametrize("name", ["keyed_band", "box_on_shaft", "cam", "helical_gear_tooth", "oblique_tube", "eccentric_disc"])
 def test_a_part_read_back_from_its_own_step(name, fixture_step, tmp_path):
     part = bs.read_step(fixture_step(name))
-    radii = {"keyed_band": 50.0, "box_on_shaft": 60.0, "cam": 45.0, "helical_gear_tooth": 170.0, "oblique_tube": 40.0, "eccentric_disc": 30.0}
+    radii = {
+        "keyed_band": 50.0,
+        "box_on_shaft": 60.0,
+        "cam": 45.0,
+        "helical_gear_tooth": 170.0,
+        "oblique_tube": 40.0,
+        "eccentric_disc": 30.0,
+    }
     bd.export_step(bd.Solid(part.solids[0].wrapped), str(tmp_path / "again.step"))
     again = bs.read_step(tmp_path / "again.step")
     r = [radii[name]]

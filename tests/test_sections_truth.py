@@ -56,7 +56,8 @@ def test_area_is_the_closed_form(make, area, radii):
 
 
 @pytest.mark.parametrize(
-    ("make", "area", "radii"), [CASES[k] for k in ("tube, ring 2 pi R h", "eccentric disc", "radial hole", "keyway", "helical tooth")]
+    ("make", "area", "radii"),
+    [CASES[k] for k in ("tube, ring 2 pi R h", "eccentric disc", "radial hole", "keyway", "helical tooth")],
 )
 def test_the_boolean_engine_agrees_away_from_coincidence(make, area, radii):
     radius = 0.5 * (radii[0] + radii[-1])

@@ -73,7 +73,9 @@ def test_too_thick_and_too_many():
 
 class TestDefaultSubstrate:
     def test_the_largest_shaft_with_metal_beyond(self, fixture_step):
-        plan = bs.plan(bs.read_step(fixture_step("helical_gear_tooth")), bs.Process(layer_thickness=1.4, step_over=3.4), layers=(0, 1))
+        plan = bs.plan(
+            bs.read_step(fixture_step("helical_gear_tooth")), bs.Process(layer_thickness=1.4, step_over=3.4), layers=(0, 1)
+        )
         assert plan.substrate.radius == pytest.approx(150.0)
         assert "largest external coaxial cylinder" in plan.substrate.reason
 

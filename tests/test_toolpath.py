@@ -108,11 +108,15 @@ def test_travels_clear_a_flange():
     import build123d as bd
 
     shaft = bd.Solid.make_cylinder(40.0, 120.0) + bd.Solid.make_cylinder(70.0, 15.0)
-    ring = bd.Solid.make_cylinder(46.0, 30.0, bd.Plane(origin=(0, 0, 15.0))) - bd.Solid.make_cylinder(40.0, 30.0, bd.Plane(origin=(0, 0, 15.0)))
+    ring = bd.Solid.make_cylinder(46.0, 30.0, bd.Plane(origin=(0, 0, 15.0))) - bd.Solid.make_cylinder(
+        40.0, 30.0, bd.Plane(origin=(0, 0, 15.0))
+    )
     key = bd.Solid.make_box(200.0, 60.0, 10.0, bd.Plane((-100.0, -30.0, 20.0)))
     feature = (ring - key).solids()[0]
     part = bs.as_part([shaft.solids()[0], feature])
-    plan = bs.plan(part, bs.Process(layer_thickness=2.0, step_over=3.0, hatch_angles=(math.radians(90.0),)), axis=Z, substrate=40.0)
+    plan = bs.plan(
+        part, bs.Process(layer_thickness=2.0, step_over=3.0, hatch_angles=(math.radians(90.0),)), axis=Z, substrate=40.0
+    )
     assert plan.substrate.solids == (0,)
     path = plan.toolpath
     # near the flange (z < 15 plus the margin of half a bead) a travel has to be above its 70 mm

@@ -11,9 +11,20 @@ from brep_slicer.section import Engine, cut_solids
 from brep_slicer.section.volume import integrate_sections
 from brep_slicer.substrate.axis import axis_from_text
 
-NAMES = (
-    "box_on_shaft cam cylinder drilled_tube eccentric_disc helical_gear_tooth keyed_band oblique_tube propeller spur_gear_tooth tube wind_blade"
-).split()
+NAMES = [
+    "box_on_shaft",
+    "cam",
+    "cylinder",
+    "drilled_tube",
+    "eccentric_disc",
+    "helical_gear_tooth",
+    "keyed_band",
+    "oblique_tube",
+    "propeller",
+    "spur_gear_tooth",
+    "tube",
+    "wind_blade",
+]
 Z = axis_from_text("Z")
 
 

@@ -29,6 +29,11 @@ class LineCurve(Curve):
         object.__setattr__(self, "p0", frozen_array(self.p0, name="p0", shape=(2,)))
         object.__setattr__(self, "p1", frozen_array(self.p1, name="p1", shape=(2,)))
 
+    @classmethod
+    def between(cls, p0: tuple[float, float], p1: tuple[float, float], *, face: int = -1) -> LineCurve:
+        """The segment between two points given as pairs (kappa, v), mm."""
+        return cls(p0=np.array(p0, dtype=np.float64), p1=np.array(p1, dtype=np.float64), face=face)
+
     @property
     def start(self) -> Array:
         return self.p0

@@ -32,7 +32,7 @@ class Contours(Pattern):
                 break
             rounds.append([Bead(points=r, kind=BeadKind.CONTOUR, piece=cell.index, closed=True) for r in rings])
             inset += cell.step_over
-        notes = ()
+        notes: tuple[str, ...] = ()
         if self.count is not None and rounds and len(rounds) < self.count:
             notes = (f"only {len(rounds)} of {self.count} contours fit",)
         if self.outwards:

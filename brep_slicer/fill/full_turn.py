@@ -18,7 +18,7 @@ from brep_slicer.region import Piece
 from .inset import Inset
 from .scanlines import Stretches
 
-# Within this of 90 degrees the angle is kept and the spacing moves (there, a hair's breadth of d would turn the lines by degrees).
+# Within this of 90 degrees the angle is kept and the spacing moves: there a hair's breadth of d would turn lines by degrees.
 UPRIGHT = math.radians(10.0)
 
 

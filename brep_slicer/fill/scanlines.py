@@ -48,7 +48,7 @@ def cut_lines(starts: Array, ends: Array, *, angle: float, spacing: float, phase
     x = (1.0 - share) * (starts[edge] @ along) + share * (ends[edge] @ along)
     order = np.lexsort((x, line))
     line, x, edge = line[order], x[order], edge[order]
-    line, x, edge = line[0::2], x.reshape(-1, 2), edge.reshape(-1, 2)
+    line, x, pairs = line[0::2], x.reshape(-1, 2), edge.reshape(-1, 2)
     y = phase + line * spacing
     points = x[:, :, None] * along + y[:, None, None] * across
-    return Stretches(line=line, points=points, edges=edge)
+    return Stretches(line=line, points=points, edges=pairs)

@@ -104,7 +104,7 @@ def _checked_text(path: Path) -> str:
 def _stated_unit(text: str) -> str | None:
     """The header's first length unit, by name; None where no length unit is stated."""
     entities = re.findall(r"=\s*(\([^;]*?LENGTH_UNIT\s*\([^;]*);", text, flags=re.S)
-    units = []
+    units: list[str] = []
     for entity in entities:
         converted = re.search(r"CONVERSION_BASED_UNIT\s*\(\s*'([^']*)'", entity)
         si = re.search(r"SI_UNIT\s*\(\s*(?:\.(\w+)\.|\$)\s*,\s*\.METRE\.\s*\)", entity)

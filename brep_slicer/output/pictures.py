@@ -9,7 +9,7 @@ import itertools
 import json
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -65,7 +65,7 @@ def draw_layer(axes: Axes, layer: Layer, fill: LayerFill) -> None:
     lines = [_shown(bead.points, layer) for bead in fill.beads]
     axes.add_collection(LineCollection(lines, colors=DEPOSIT, linewidths=0.9, zorder=2))
     moves = [
-        np.array([a.points[-1], b.points[0]])
+        _shown(np.array([a.points[-1], b.points[0]]), layer)
         for a, b in zip(fill.beads, fill.beads[1:], strict=False)
         if np.hypot(*(b.points[0] - a.points[-1])) < 0.25 * layer.region.period
     ]
@@ -125,58 +125,83 @@ def _page(layers: list[Layer]) -> tuple[int, float, float]:
     if any(piece.winds for layer in layers for piece in layer.region.pieces):
         wide = max(layer.region.period for layer in layers)
     ratio = (boxes[:, 3].max() - boxes[:, 1].min()) / wide
-    columns = 1 if ratio < 0.25 else 2 if ratio < 0.6 else 3 if ratio < 1.3 else 4
+    columns = 1 if ratio < 0.25 else 2 if ratio < 0.6 else 3 if ratio < 1.0 else 4
     columns = min(columns, len(layers))
     width = 11.0 / columns
     return columns, width, min(max(width * ratio + 0.7, 1.6), 8.0)
 
 
 def draw_toolpath(plan: Plan, path: str | Path) -> Path:
-    """The toolpath in space, with the outline of the substrate."""
+    """The toolpath in space, on the part of the substrate that it covers."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
     figure = Figure(figsize=(10, 8), dpi=110)
     FigureCanvasAgg(figure)
-    axes = figure.add_axes((0.0, 0.0, 1.0, 0.94), projection="3d")
+    axes: Any = figure.add_axes((0.02, 0.02, 0.94, 0.9), projection="3d", computed_zorder=False)
     toolpath = plan.toolpath
-    laid, moved = _segments(toolpath)
-    for segments, color, width in ((moved, TRAVEL, 0.25), (laid, DEPOSIT, 0.6)):
+    shaft = _substrate_patch(plan)
+    axes.plot_surface(
+        *np.moveaxis(shaft, -1, 0), color=METAL, edgecolor=OUTLINE, linewidth=0.15, alpha=0.9, rstride=1, cstride=1
+    )
+    view = _viewpoint(plan)
+    laid, moved = _segments(toolpath, view)
+    for segments, color, width in ((moved, TRAVEL, 0.35), (laid, DEPOSIT, 0.7)):
         if len(segments):
             axes.add_collection3d(Line3DCollection(segments, colors=color, linewidths=width))
-    rings = _substrate_rings(plan)
-    axes.add_collection3d(Line3DCollection(rings, colors=OUTLINE, linewidths=0.6))
-    everything = np.concatenate([toolpath.points, *rings]) if len(toolpath) else np.concatenate(rings)
+    everything = np.concatenate([toolpath.points, shaft.reshape(-1, 3)])
     low, high = everything.min(axis=0), everything.max(axis=0)
     for setter, a, b in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), low, high, strict=True):
         setter(a, b)
-    axes.set_box_aspect(np.maximum(high - low, 1e-3 * (high - low).max()), zoom=1.15)
-    axes.set_xlabel("x, mm")
-    axes.set_ylabel("y, mm")
-    axes.set_zlabel("z, mm")
-    axes.view_init(elev=24, azim=-58)
-    figure.suptitle(
-        f"{Path(plan.part.source).name}: {len(plan.layers)} layers on R {plan.substrate.radius:.6g} mm", fontsize=12
-    )
+    axes.set_box_aspect(np.maximum(high - low, 1e-3 * (high - low).max()), zoom=0.92)
+    for name, setter in zip("xyz", (axes.set_xlabel, axes.set_ylabel, axes.set_zlabel), strict=True):
+        setter(f"{name}, mm", fontsize=8)
+    axes.tick_params(labelsize=7)
+    axes.view_init(elev=math.degrees(math.asin(view[2])), azim=math.degrees(math.atan2(view[1], view[0])))
+    title = f"{Path(plan.part.source).name}: {len(plan.layers)} layers on R {plan.substrate.radius:.6g} mm"
+    figure.suptitle(f"{title} · deposition red, repositioning blue", fontsize=12)
     return write_whole(path, lambda temporary: figure.savefig(temporary, metadata=_metadata(plan)))
 
 
-def _segments(toolpath: Toolpath) -> tuple[Array, Array]:
-    """Deposited and travel segments, (n, 2, 3) each."""
+def _segments(toolpath: Toolpath, view: Array) -> tuple[Array, Array]:
+    """Deposited and travel segments that the shaft does not hide from someone who looks along -view, (n, 2, 3) each."""
     pairs = np.stack([toolpath.points[:-1], toolpath.points[1:]], axis=1)
-    return pairs[toolpath.deposits[1:]], pairs[~toolpath.deposits[1:]]
+    seen = toolpath.normals[1:] @ view > -0.05
+    return pairs[seen & toolpath.deposits[1:]], pairs[seen & ~toolpath.deposits[1:]]
 
 
-def _substrate_rings(plan: Plan) -> list[Array]:
-    """Circles of the substrate below the deposit, and four of its generators."""
-    v = plan.toolpath.v if len(plan.toolpath) else np.zeros(1)
-    low, high = float(v.min()), float(v.max())
-    margin = 0.1 * (high - low) + 1.0
-    theta = np.linspace(0.0, 2.0 * np.pi, 181)
+def _covered(plan: Plan) -> tuple[float, float]:
+    """First and last angle (rad) of the arc that holds every deposited point: a turn less the widest gap."""
+    path = plan.toolpath
+    theta = np.sort(np.mod(path.kappa[path.deposits] / path.radius[path.deposits], 2.0 * np.pi))
+    gaps = np.diff(np.append(theta, theta[0] + 2.0 * np.pi))
+    widest = int(gaps.argmax())
+    if gaps[widest] < 1.0:
+        return 0.0, 2.0 * np.pi
+    start = theta[(widest + 1) % len(theta)]
+    return float(start), float(start + 2.0 * np.pi - gaps[widest])
+
+
+def _substrate_patch(plan: Plan) -> Array:
+    """Points (n, m, 3) of the substrate below the deposit and a little beyond it."""
+    start, end = _covered(plan)
+    v = plan.toolpath.v[plan.toolpath.deposits]
+    margin = 0.15 * (v.max() - v.min()) + 1.0
+    if end - start < 2.0 * np.pi - 1e-6:
+        wide = margin / plan.substrate.radius + 0.1 * (end - start)
+        start, end = start - wide, end + wide
+    theta = np.linspace(start, end, max(3, math.ceil((end - start) / 0.06)))
+    z = np.linspace(v.min() - margin, v.max() + margin, 9)
+    angle, height = np.meshgrid(theta, z, indexing="ij")
     radius = plan.substrate.radius
-    circle = np.stack([radius * np.cos(theta), radius * np.sin(theta)], axis=1)
-    heights = (low - margin, high + margin)
-    rings = [np.column_stack([circle, np.full(len(circle), z)]) for z in heights]
-    rings += [np.array([[*circle[k], z] for z in heights]) for k in range(0, 180, 30)]
-    return [plan.axis.file_from_axis(ring) for ring in rings]
+    return plan.axis.file_from_axis(np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=-1))
+
+
+def _viewpoint(plan: Plan) -> Array:
+    """Unit vector to where the picture is taken from: outside, a little to the side and above, (3,)."""
+    start, end = _covered(plan)
+    middle = 0.5 * (start + end)
+    outwards = plan.axis.file_from_axis_vectors(np.array([math.cos(middle), math.sin(middle), 0.0]))
+    view = outwards + 0.55 * plan.axis.direction + 0.45 * np.cross(plan.axis.direction, outwards)
+    return view / np.linalg.norm(view)

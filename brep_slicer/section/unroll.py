@@ -37,7 +37,7 @@ def _unrolled(points: Array, radius: float) -> Array:
 def _ruling(curve: LineEdge, first: float, last: float, radius: float) -> Curve:
     p = _unrolled(curve.points(np.array([first, last])), radius)
     middle = float(p[:, 0].mean())
-    return LineCurve(p0=(middle, p[0, 1]), p1=(middle, p[1, 1]))
+    return LineCurve.between((middle, p[0, 1]), (middle, p[1, 1]))
 
 
 def _conic(curve: ConicEdge, first: float, last: float, radius: float) -> Curve | None:
@@ -52,7 +52,7 @@ def _conic(curve: ConicEdge, first: float, last: float, radius: float) -> Curve 
     normal = normal / np.linalg.norm(normal)
     if abs(abs(normal[2]) - 1.0) < 1e-15:
         height = float(curve.centre[2])
-        return LineCurve(p0=(ends[0], height), p1=(ends[1], height))
+        return LineCurve.between((ends[0], height), (ends[1], height))
     a, b, n = normal
     coefficients = (float(normal @ curve.centre) / n, -a * radius / n, -b * radius / n)
     return SinusoidCurve(coefficients=np.array(coefficients), radius=radius, range=ends)

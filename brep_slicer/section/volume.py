@@ -2,7 +2,7 @@
 
 In: a solid ready for cutting. Out: the integral of A(rho) over rho, with its own error estimate, and the first moment along z.
 
-integral of A(rho) d rho = V holds for every solid about any axis; it needs no ground truth, so it tests every section of a part.
+integral of A(rho) d rho = V holds for every solid about any axis. It needs no ground truth: it tests every section of a part.
 """
 
 from __future__ import annotations

@@ -114,7 +114,9 @@ def find_substrate(
         return Substrate(radius=chosen.radius, solids=_standing(part, candidates, chosen.radius, reach, solids), reason=reason)
     bores = [c for c in candidates if not c.external and highest > c.radius + BEYOND]
     if bores:
-        warning = f"the part has no shaft surface of its own: it is taken to sit on a shaft that fills its bore, R {bores[0].radius:g}"
+        warning = (
+            f"no shaft surface belongs to the part: it is taken to sit on a shaft that fills its bore, R {bores[0].radius:g}"
+        )
         return Substrate(
             radius=bores[0].radius,
             solids=_standing(part, candidates, bores[0].radius, reach, solids),

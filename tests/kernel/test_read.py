@@ -127,7 +127,9 @@ def test_the_solid_is_never_changed(fixture_step):
     assert (largest_tolerance(part.wrapped), bytes_from_shape(part.wrapped)) == before
 
 
-@pytest.mark.parametrize(("name", "radius"), [("drilled_tube", 40.0), ("cam", 47.0), ("helical_gear_tooth", 170.0), ("oblique_tube", 40.0)])
+@pytest.mark.parametrize(
+    ("name", "radius"), [("drilled_tube", 40.0), ("cam", 47.0), ("helical_gear_tooth", 170.0), ("oblique_tube", 40.0)]
+)
 def test_both_engines_agree(name, radius, fixture_step):
     part = bs.read_step(fixture_step(name))
     one, other = (bs.slice_part(part, [radius], axis=bs.axis_from_text("Z"), engine=e)[0] for e in ("analytic", "boolean"))

@@ -97,7 +97,7 @@ def _rulings(face: Face, found: FaceNodes, radii: Array, component: Array, way: 
     _fail(arcs, pairs.bad, face)
     kappa = radii[found.layer] * theta
     for i, j in zip(pairs.start.tolist(), pairs.end.tolist(), strict=True):
-        curve = LineCurve(p0=(kappa[i], found.z[i]), p1=(kappa[i], found.z[j]), face=face.index)
+        curve = LineCurve.between((kappa[i], found.z[i]), (kappa[i], found.z[j]), face=face.index)
         arcs.add(curve, int(found.layer[i]), int(found.node[i]), int(found.node[j]))
     return arcs
 
@@ -156,7 +156,7 @@ def _round(face: Face, found: FaceNodes, radii: Array, component: Array, way: Ar
 def _line_at(face: Face, radii: Array, height: Array):
     def make(layer: int, row: int, theta0: float, theta1: float) -> Curve:
         r, v = float(radii[layer]), float(height[row])
-        return LineCurve(p0=(r * theta0, v), p1=(r * theta1, v), face=face.index)
+        return LineCurve.between((r * theta0, v), (r * theta1, v), face=face.index)
 
     return make
 
@@ -241,7 +241,7 @@ def loops_on_planes(brep: Brep, face: Face, radii: Array, busy: set[int], level:
         curve = sinusoid_on_plane(face, radius, 0.0, way * TURN)
         if np.hypot(*curve.coefficients[1:]) <= 1e-12 * radius:
             v = float(face.surface.origin[2])
-            arcs.add(LineCurve(p0=(0.0, v), p1=(way * TURN * radius, v), face=face.index), layer, -1, -1)
+            arcs.add(LineCurve.between((0.0, v), (way * TURN * radius, v), face=face.index), layer, -1, -1)
         else:
             arcs.add(curve, layer, -1, -1)
     return arcs

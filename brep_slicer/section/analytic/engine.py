@@ -26,8 +26,7 @@ from .traced_faces import arcs_on_traced_face
 ROUNDING = 1e-12
 # Two faces and the edge between them can add up to a jog of this many gaps.
 GAPS = 4.0
-# However grazing the crossing, a jog that is larger than the gaps by more than this (mm) is not explained by them: a twentieth of
-# a narrow bead.
+# However grazing the crossing, a jog that exceeds the gaps by more than this (mm) is not explained by them.
 MOST_JOG = 0.005
 
 

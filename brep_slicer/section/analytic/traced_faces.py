@@ -37,9 +37,8 @@ def arcs_on_traced_face(face: Face, found: FaceNodes, radii: Array, *, closed: b
     for layer in np.flatnonzero(starts != ends).tolist():
         arcs.failed[layer] = f"{starts[layer]} arcs begin and {ends[layer]} end on face {face.index}"
     single = np.flatnonzero((starts == 1) & (ends == 1))
-    rows = np.isin(found.layer, single)
-    by_layer = np.argsort(found.layer[rows], kind="stable")
-    rows = np.flatnonzero(rows)[by_layer]
+    mine = np.flatnonzero(np.isin(found.layer, single))
+    rows = mine[np.argsort(found.layer[mine], kind="stable")]
     first = rows[found.begins[rows]]
     last = rows[~found.begins[rows]]
     lost = _direct(face, found, radii, first, last, arcs)

@@ -21,6 +21,8 @@ from .face_nodes import FaceNodes, clusters, pair_along
 
 # Directions are parallel to this (sine of the angle): what is left of a rigid motion's rounding.
 PARALLEL = 1e-12
+# A plane whose normal has less than this along the axis is traced: v as a function of kappa would lose that many digits.
+STEEP = 1e-3
 # Lines of one layer nearer to each other than this (mm, or rad times mm) are one: above the noise of real edges.
 SAME_LINE = 1e-5
 
@@ -54,13 +56,7 @@ def closed_form_of(face: Face) -> Solver | None:
         across = float(np.hypot(*surface.frame[2, :2]))
         coaxial = across <= PARALLEL and float(np.hypot(*surface.origin[:2])) <= 1e-9
         if surface.kind is SurfaceKind.PLANE:
-            return (
-                _circles_on_plane
-                if across <= PARALLEL
-                else _rulings_on_plane
-                if abs(surface.frame[2, 2]) <= PARALLEL
-                else _sinusoids
-            )
+            return _on_plane(across, abs(float(surface.frame[2, 2])))
         if coaxial or (surface.kind is SurfaceKind.SPHERE and float(np.hypot(*surface.origin[:2])) <= 1e-9):
             return None if surface.kind is SurfaceKind.SPHERE and across > PARALLEL else _circles_of_revolution
         if surface.kind is SurfaceKind.CYLINDER and across <= PARALLEL:
@@ -72,6 +68,15 @@ def closed_form_of(face: Face) -> Solver | None:
         if across <= PARALLEL and off <= 1e-9:
             return _circles_of_revolution
     return None
+
+
+def _on_plane(across: float, along: float) -> Solver | None:
+    """By the components of a plane's normal across the axis and along it."""
+    if across <= PARALLEL:
+        return _circles_on_plane
+    if along <= PARALLEL:
+        return _rulings_on_plane
+    return _sinusoids if along >= STEEP else None
 
 
 def outward_normals(face: Face, uv: Array) -> Array:

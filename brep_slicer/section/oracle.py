@@ -1,6 +1,6 @@
 """The area of a layer without cutting anything: a surface integral over the faces outside of it.
 
-In: a solid's numpy geometry and a radius. Out: the section's area, by a way that shares neither nodes nor curves with the engines.
+In: a solid's numpy geometry and a radius. Out: the section's area, in a way that shares no nodes and no curves with the engines.
 
 div(e_rho / rho) = 0 away from the axis, so the flux of e_rho / rho through the section at R equals that through the part of the
 solid's boundary that lies outside of R: A(R) = R * integral of (n . e_rho) / rho dS over the faces where rho > R.
@@ -10,6 +10,8 @@ of R.
 """
 
 from __future__ import annotations
+
+import itertools
 
 import numpy as np
 
@@ -66,7 +68,7 @@ def _lines(face: Face, radius: float, panels: int) -> tuple[Array, Array]:
     knots = np.clip(np.concatenate(marks), face.box[0, 0], face.box[1, 0])
     knots = np.unique(np.round((knots - face.box[0, 0]) / max(face.box[1, 0] - face.box[0, 0], 1e-300), 9))
     knots = face.box[0, 0] + knots * (face.box[1, 0] - face.box[0, 0])
-    edges = np.unique(np.concatenate([np.linspace(a, b, panels + 1) for a, b in zip(knots[:-1], knots[1:], strict=True)]))
+    edges = np.unique(np.concatenate([np.linspace(a, b, panels + 1) for a, b in itertools.pairwise(knots)]))
     x, w = np.polynomial.legendre.leggauss(PANEL_NODES)
     half = 0.5 * np.diff(edges)
     u = (edges[:-1] + half)[:, None] + half[:, None] * x
@@ -155,5 +157,8 @@ def _at_breaks(face: Face, line: Array, low: Array, high: Array) -> tuple[Array,
     for value in breaks:
         cut = (low < value) & (high > value)
         line = np.concatenate([line, line[cut]])
-        low, high = np.concatenate([low, np.full(int(cut.sum()), value)]), np.concatenate([np.where(cut, value, high), high[cut]])
+        low, high = (
+            np.concatenate([low, np.full(int(cut.sum()), value)]),
+            np.concatenate([np.where(cut, value, high), high[cut]]),
+        )
     return line, low, high

@@ -187,11 +187,13 @@ def _heights(face: Face, found: FaceNodes, radii: Array) -> tuple[Array, Array]:
         base, up = surface.origin[2], surface.frame[2, 2]
         if surface.kind is SurfaceKind.CONE:
             return np.zeros(len(found)), base + up * (r - surface.radius) / np.tan(surface.half_angle)
-        square = (
-            surface.radius**2 - r * r if surface.kind is SurfaceKind.SPHERE else surface.minor**2 - (r - surface.radius) ** 2
-        )
-        side = np.where(found.z >= base, 1.0, -1.0)
-        return side, base + side * np.sqrt(np.maximum(square, 0.0))
+        # a torus may be so thick that it crosses its own axis: its inner part has the profile -(major + minor cos v)
+        centres = (0.0,) if surface.kind is SurfaceKind.SPHERE else (surface.radius, -surface.radius)
+        tube = surface.radius if surface.kind is SurfaceKind.SPHERE else surface.minor
+        rises = [np.sqrt(np.maximum(tube**2 - (r - c) ** 2, 0.0)) for c in centres]
+        heights = np.stack([base + side * rise for rise in rises for side in (1.0, -1.0)])
+        nearest = np.abs(heights - found.z).argmin(axis=0)
+        return nearest, heights[nearest, np.arange(len(found))]
     component = clusters(found.layer, found.z, SAME_LINE)
     # both ends of an arc are given the height of the first node on its circle: one line v = const
     _, first, where = np.unique(component, return_index=True, return_inverse=True)

@@ -11,14 +11,14 @@ from brep_slicer.curves import Loop
 from brep_slicer.errors import LayerError
 from brep_slicer.field import radial_gradient, radii_of
 from brep_slicer.geometry import Face
-from brep_slicer.maps import Array
+from brep_slicer.maps import TURN, Array
 from brep_slicer.section.certificate import Certificate, Engine
 from brep_slicer.section.chain import Arc, loops_from_arcs
 from brep_slicer.section.cut_solid import CutSolid
 
 from .closed_forms import FaceArcs, closed_form_of, loops_on_planes
 from .face_nodes import FaceNodes, nodes_on_face
-from .hot_edges import arcs_on_hot_edges, hot_layers
+from .hot_edges import VERTEX_NODES, arcs_on_hot_edges, hot_layers
 from .nodes import Nodes, find_nodes
 from .traced_faces import arcs_on_traced_face
 
@@ -77,6 +77,7 @@ def _assembled(
         failed.update({layer: reason for layer, reason in face_arcs.failed.items() if layer not in failed})
         for layer, value in face_arcs.residual.items():
             residual[layer] = max(residual[layer], value)
+    off = _off_nodes(made, nodes, radii)
     counts = np.bincount(nodes.layer, minlength=len(radii))
     allowed = _allowed_jogs(solid, nodes, len(radii))
     level = solid.critical.level
@@ -89,11 +90,38 @@ def _assembled(
         try:
             out.append(
                 _certified(
-                    solid, radius, arcs[layer], int(counts[layer]), float(residual[layer]), coincident, float(allowed[layer])
+                    solid,
+                    radius,
+                    arcs[layer],
+                    int(counts[layer]),
+                    float(residual[layer]),
+                    coincident,
+                    (float(allowed[layer]), float(off[layer])),
                 )
             )
         except LayerError as error:
             out.append(error)
+    return out
+
+
+def _off_nodes(made: list[FaceArcs], nodes: Nodes, radii: Array) -> Array:
+    """Largest distance (mm) of an arc's end from its node, in each layer: a formula that took the wrong branch shows here."""
+    out = np.zeros(len(radii))
+    ends = [
+        (node, layer, point)
+        for arcs in made
+        for curve, layer, start, end in zip(arcs.curves, arcs.layer, arcs.start, arcs.end, strict=True)
+        for node, point in ((start, curve.start), (end, curve.end))
+        if 0 <= node < VERTEX_NODES
+    ]
+    if not ends:
+        return out
+    node, layer = np.array([e[0] for e in ends]), np.array([e[1] for e in ends])
+    flat = np.array([e[2] for e in ends])
+    radius, p = radii[layer], nodes.points[node]
+    turn = flat[:, 0] / radius - np.arctan2(p[:, 1], p[:, 0])
+    across = radius * (np.mod(turn + np.pi, TURN) - np.pi)
+    np.maximum.at(out, layer, np.hypot(across, flat[:, 1] - p[:, 2]))
     return out
 
 
@@ -120,7 +148,7 @@ def _allowed_jogs(solid: CutSolid, nodes: Nodes, layers: int) -> Array:
 
 
 def _certified(
-    solid: CutSolid, radius: float, arcs: list[Arc], nodes: int, residual: float, coincident: bool, allowed: float
+    solid: CutSolid, radius: float, arcs: list[Arc], nodes: int, residual: float, coincident: bool, jogs: tuple[float, float]
 ) -> tuple[list[Loop], Certificate]:
     """Chain one layer and check it.
 
@@ -129,11 +157,12 @@ def _certified(
     LayerError
         If a node is not met exactly twice, a loop does not close, or a jog is larger than the gaps of the edges explain.
     """
-    crossings = [arc.start for arc in arcs if 0 <= arc.start < 1 << 40]
+    crossings = [arc.start for arc in arcs if 0 <= arc.start < VERTEX_NODES]
     if len(crossings) != nodes or len(set(crossings)) != nodes:
         raise LayerError(f"{nodes} edge crossings, but {len(crossings)} arcs begin at one")
     loops = loops_from_arcs(radius, arcs)
-    jog = max((loop.jog() for loop in loops), default=0.0)
+    allowed, off = jogs
+    jog = max(off, max((loop.jog() for loop in loops), default=0.0))
     if jog > allowed:
         raise LayerError(f"a jog of {jog:.3g} mm is larger than the gaps of the edges allow ({allowed:.3g} mm)")
     if sum(loop.winding for loop in loops) != 0:

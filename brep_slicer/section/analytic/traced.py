@@ -50,7 +50,7 @@ def trace_spans(surface: Surface, box: Array, arc: NDArray[np.int64], share: Arr
     scale = _lengths(surface, box)
     uv = uv.copy()
     for k in (0, 1):
-        uv[:, k] = _onto_level(surface, uv[:, k], radius, scale, box)
+        uv[:, k] = _onto_level(surface, uv[:, k], radius, scale)
     done: list[tuple] = []
     failed: set[int] = set()
     x, check = span_nodes(DEGREE), _between(span_nodes(DEGREE))
@@ -104,7 +104,7 @@ def level_gap(surface: Surface, uv: Array, radius: Array) -> tuple[Array, Array,
     return rho - radius, (p[:, 0] * su[:, 0] + p[:, 1] * su[:, 1]) / safe, (p[:, 0] * sv[:, 0] + p[:, 1] * sv[:, 1]) / safe
 
 
-def _onto_level(surface: Surface, uv: Array, radius: Array, scale: Array, box: Array) -> Array:
+def _onto_level(surface: Surface, uv: Array, radius: Array, scale: Array) -> Array:
     """Ends brought onto the level along its gradient; those that cannot be (the level only touches there) stay."""
     start, best = uv, uv.copy()
     for _ in range(6):
@@ -119,9 +119,8 @@ def _onto_level(surface: Surface, uv: Array, radius: Array, scale: Array, box: A
     gap, _, _ = level_gap(surface, uv, radius)
     good = np.abs(gap) <= 1e-9
     best[good] = uv[good]
-    # a face's own parameters may be overstepped by rounding only
-    slack = 1e-7 * (box[1] - box[0])
-    return np.clip(best, np.minimum(box[0] - slack, start), np.maximum(box[1] + slack, start))
+    # this may overstep the face's box by the gap between edge and face: polynomials go on smoothly there
+    return best
 
 
 def _across_chords(
@@ -156,7 +155,7 @@ def _across_chords(
         offset[index] = np.where(lost, offset[index], new)
         active[index] = ~(done | lost)
     found = (flat + offset[:, None] * way).reshape(n, k, 2)
-    slack = 1e-3 * (box[1] - box[0])
+    slack = 1e-3 * (box[1] - box[0]) + 2e-2 / scale
     inside = ((found >= box[0] - slack) & (found <= box[1] + slack)).all(axis=(1, 2))
     return found, converged.reshape(n, k).all(axis=1) & inside & (size > 0.0)
 

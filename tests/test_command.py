@@ -106,9 +106,12 @@ def test_every_output_says_with_what_it_was_made(planned):
 def test_the_beads_come_back_from_step_and_dxf(planned):
     import ezdxf
 
-    assert (planned[0] / "beads.step").read_text().count("TRIMMED_CURVE(") > 10
+    text = (planned[0] / "beads.step").read_text()
+    assert text.count("TRIMMED_CURVE(") > 10
+    assert '"step_over": 3.4' in text.replace("\n", "")
     drawing = ezdxf.readfile(planned[0] / "layers.dxf")
     report = json.loads((planned[0] / "report.json").read_text())
+    assert json.loads(dict(drawing.header.custom_vars.properties)["brep_slicer"])["process"]["step_over"] == 3.4
     assert len(drawing.modelspace().query("LWPOLYLINE[layer=='BEADS-0000']")) == report["layers"][0]["beads"]
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import abc
 import enum
+import math
 from typing import ClassVar, Self
 
 import numpy as np
@@ -112,6 +113,25 @@ class Curve(abc.ABC):
         return self.points(self.parameters(chord))
 
 
+def distance_to_curve(curve: Curve, points: Array) -> Array:
+    """Distance (n,) in mm of points (n, 2) near a curve from it: Newton from the nearest of many samples."""
+    s = np.linspace(0.0, 1.0, 513)
+    samples = curve.points(s)
+    nearest = np.hypot(*np.moveaxis(points[:, None] - samples[None], -1, 0)).argmin(axis=1)
+    t, h = s[nearest], 1e-5
+    for _ in range(20):
+        p, d = curve.points(t), curve.derivatives(t)
+        inner = np.clip(t, h, 1.0 - h)
+        bend = (curve.derivatives(inner + h) - curve.derivatives(inner - h)) / (2.0 * h)
+        square = np.maximum(np.einsum("ij,ij->i", d, d), 1e-300)
+        slope = square - np.einsum("ij,ij->i", points - p, bend)
+        step = np.einsum("ij,ij->i", points - p, d) / np.where(slope > 0.1 * square, slope, square)
+        t = np.clip(t + step, 0.0, 1.0)
+        if np.abs(step).max(initial=0.0) < 1e-12:
+            break
+    return np.hypot(*(points - curve.points(t)).T)
+
+
 def _far_spans(curve: Curve, s: Array, chord: float) -> Array:
     """Which spans of the polyline at `s` lie farther than `chord` from the curve at a quarter, half or three quarters."""
     p = curve.points(s)
@@ -158,7 +178,8 @@ def frozen_array(values, *, name: str, shape: tuple[int, ...] | None = None) -> 
     array = np.array(values, dtype=np.float64)
     if shape is not None and array.shape != shape:
         raise ValueError(f"{name} must have shape {shape}, got {array.shape}")
-    if not np.isfinite(array).all():
+    # a sum is finite only if every term is (or the curve reaches to 1e308 mm): one pass, and this is called for every curve
+    if not math.isfinite(float(array.sum())):
         raise ValueError(f"{name} holds a value that is not finite")
     array.flags.writeable = False
     return array

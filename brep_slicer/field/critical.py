@@ -31,7 +31,7 @@ MERGE = 1e-9
 class Critical:
     """`radii` (n,), increasing, mm; `level` (m,) those of coaxial cylinder faces; `lowest` and `highest` of the solid.
 
-    `inside` holds for each face the radii of its stationary points away from its edges: only there, and on faces with
+    `inside` holds for each face the (u, v) (n, 2) of its stationary points away from its edges: only there, and on faces with
     several loops, can a section close on itself without meeting an edge.
     """
 
@@ -47,7 +47,8 @@ def critical_radii(brep: Brep, stretches: EdgeStretches) -> Critical:
     inside = [_inside(face, _face_extremes(face)) for face in brep.faces]
     level = stretches.face_level[np.isfinite(stretches.face_level)]
     rings = stretches.edge_level[np.isfinite(stretches.edge_level)]
-    everything = np.concatenate([stretches.vertex_rho, stretches.extremes, rings, level, *inside])
+    peaks = [radii_of(face.surface.points(uv)) for face, uv in zip(brep.faces, inside, strict=True) if len(uv)]
+    everything = np.concatenate([stretches.vertex_rho, stretches.extremes, rings, level, *peaks])
     radii = np.unique(everything)
     radii = radii[np.diff(radii, prepend=-np.inf) > MERGE]
     lowest = 0.0 if radii[0] < MERGE else float(radii[0])
@@ -55,11 +56,13 @@ def critical_radii(brep: Brep, stretches: EdgeStretches) -> Critical:
 
 
 def _inside(face: Face, uv: Array) -> Array:
-    """Radii of those stationary points that lie inside of the face's outline."""
+    """Those stationary points that lie inside of the face's outline, each once."""
     if not len(uv):
-        return np.zeros(0)
-    rho = radii_of(face.surface.points(uv))
-    return np.unique(np.round(rho[trimming_of(face).contains(uv)], 10))
+        return uv
+    uv = uv[trimming_of(face).contains(uv)]
+    size = np.maximum(face.box[1] - face.box[0], 1e-300)
+    _, first = np.unique(np.round((uv - face.box[0]) / size, 7), axis=0, return_index=True)
+    return uv[first]
 
 
 def _face_extremes(face: Face) -> Array:

@@ -39,6 +39,17 @@ class Trimming:
             out[first : first + 512] = (spans & above).sum(axis=1) % 2 == 1
         return out
 
+    def surely_contains(self, uv: Array, scale: Array) -> bool:
+        """Whether a curve that does not cross the boundary, given by points (m, 2) near it, lies inside.
+
+        The point farthest from the boundary decides: where the curve runs along it, samples of both may lie on either side.
+        """
+        gap = uv[:, None] * scale - self.start[None] * scale
+        d = (self.end - self.start) * scale
+        share = np.clip((gap * d[None]).sum(axis=2) / np.maximum((d * d).sum(axis=1), 1e-300)[None], 0.0, 1.0)
+        distance = np.linalg.norm(gap - share[..., None] * d[None], axis=2).min(axis=1)
+        return bool(self.contains(uv[[int(distance.argmax())]])[0])
+
 
 def trimming_of(face: Face) -> Trimming:
     """Sample a face's pcurves; a loop's gaps (jogs between its pcurves) are closed by straight lines."""

@@ -5,6 +5,7 @@ In: a Plan. Out: a drawing in (kappa, v), mm; straight outlines stay lines, othe
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,7 @@ from brep_slicer.errors import InputError
 from brep_slicer.region import Layer
 
 from .atomic import write_whole
+from .report import header_of_plan
 
 if TYPE_CHECKING:
     from brep_slicer.planning import Plan
@@ -31,6 +33,7 @@ def write_dxf(plan: Plan, path: str | Path) -> Path:
     except ImportError:
         raise InputError("writing DXF needs ezdxf; pip install 'brep-slicer[dxf]'") from None
     drawing = ezdxf.new("R2010", units=4)
+    drawing.header.custom_vars.append("brep_slicer", json.dumps(header_of_plan(plan)))
     space = drawing.modelspace()
     chord = plan.process.value("chord")
     for layer, fill in zip(plan.layers, plan.fills, strict=True):

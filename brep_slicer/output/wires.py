@@ -5,12 +5,14 @@ In: a Plan. Out: one wire a bead, in the file's frame, points to the chord of th
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .atomic import write_whole
+from .report import header_of_plan
 
 if TYPE_CHECKING:
     from brep_slicer.planning import Plan
@@ -25,4 +27,5 @@ def write_bead_wires(plan: Plan, path: str | Path) -> Path:
     first = np.flatnonzero(~toolpath.deposits[:-1] & toolpath.deposits[1:])
     last = np.flatnonzero(toolpath.deposits & np.append(~toolpath.deposits[1:], True))
     lines = [toolpath.points[a : b + 1] for a, b in zip(first, last, strict=True)]
-    return write_whole(path, lambda temporary: write_step_wires(lines, str(temporary)))
+    said = json.dumps(header_of_plan(plan), ensure_ascii=True)
+    return write_whole(path, lambda temporary: write_step_wires(lines, str(temporary), description=said))

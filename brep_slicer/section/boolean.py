@@ -25,11 +25,13 @@ from .unroll import curve_on_cylinder
 COINCIDENCE_STEP = 1e-5
 # What OCCT aims at for its intersection curves, mm; an edge whose tolerance says more is believed.
 INTERSECTION_RESIDUAL = 1e-7
+# Where the cylinder face is cut open (rad); any angle will do that no edge of the part follows, and OCCT may fail at one.
+SEAMS = (0.4142, 2.2361, 4.1231)
 # Two areas may differ by the tolerance of every edge along its length, in each of the two cuts.
 CUTS = 2.0
 
 
-def section_by_boolean(solid: Any, radius: float, *, critical: Array, seam: float = 0.4142) -> tuple[list[Loop], Certificate]:
+def section_by_boolean(solid: Any, radius: float, *, critical: Array) -> tuple[list[Loop], Certificate]:
     """Cut one solid.
 
     Parameters
@@ -40,14 +42,23 @@ def section_by_boolean(solid: Any, radius: float, *, critical: Array, seam: floa
         Radius of the cut, mm.
     critical : ndarray, shape (n,)
         The solid's critical radii, mm; near one of them the cut steps outwards.
-    seam : float
-        Angle (rad) of the cylinder face's own seam; any will do that no edge of the part follows.
 
     Raises
     ------
     LayerError
-        If the boolean fails, or its checks do.
+        If the boolean fails, or its checks do, wherever the cylinder face is cut open.
     """
+    reason = ""
+    for seam in SEAMS:
+        try:
+            return _cut_once(solid, radius, critical, seam)
+        except LayerError as error:
+            reason = str(error)
+    raise LayerError(reason)
+
+
+def _cut_once(solid: Any, radius: float, critical: Array, seam: float) -> tuple[list[Loop], Certificate]:
+    """One cut of the whole turn, its seam at the angle `seam` (rad), checked against two half-turns."""
     from brep_slicer.kernel.booleans import common_with_cylinder, height_range
 
     used, residual = _clear_radius(radius, critical)

@@ -1,6 +1,6 @@
 """The area of a layer without cutting anything: a surface integral over the faces outside of it.
 
-In: a solid's numpy geometry and a radius. Out: the section's area, in a way that shares no nodes and no curves with the engines.
+In: a solid's numpy geometry and a radius. Out: the area of the section, with no nodes and no curves in common with the engines.
 
 div(e_rho / rho) = 0 away from the axis, so the flux of e_rho / rho through the section at R equals that through the part of the
 solid's boundary that lies outside of R: A(R) = R * integral of (n . e_rho) / rho dS over the faces where rho > R.

@@ -59,9 +59,11 @@ def _arcs_on_face(solid: CutSolid, face: Face, found: FaceNodes, radii: Array, h
             out.append(solve(face, found, radii))
         out.append(loops_on_planes(brep, face, radii, busy, stretches.edge_level, stretches.vertex_rho))
         return out
-    closed = len(face.loops) > 1 or len(solid.critical.inside[face.index]) > 0
+    stationary = solid.critical.inside[face.index]
+    closed = len(face.loops) > 1 or len(stationary) > 0
     if len(found) or closed:
-        out.append(arcs_on_traced_face(face, found, radii, closed=closed))
+        sides = np.array([stretches.vertex_rho[brep.edges[loop[0].edge].vertices[0]] for loop in face.loops])
+        out.append(arcs_on_traced_face(face, found, radii, stationary, sides, closed=closed))
     return out
 
 

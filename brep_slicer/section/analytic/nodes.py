@@ -19,6 +19,8 @@ from brep_slicer.geometry.edge_curves import EdgeCurve, LineEdge
 from brep_slicer.maps import Array
 
 MOST_STEPS = 60
+# Relative rounding of a B-spline's point and of the sum of two squares, a few units in the last place.
+ROUNDING = 2e-15
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -89,9 +91,11 @@ def _crossings(curve: EdgeCurve, span: Array, radius: Array) -> Array:
         low, high = np.minimum(a, b), np.maximum(a, b)
         outside = ~((new >= low) & (new <= high))
         new = np.where(outside, 0.5 * (a + b), new)
-        done = np.abs(new - t) <= 4e-16 * np.maximum(np.abs(t), np.abs(span[:, 1] - span[:, 0]))
-        t = new
-        if (done | short | (np.abs(f) <= 1e-15 * radius**2)).all():
+        # what is left is rounding: of rho**2, or of the parameter
+        exact = np.abs(f) <= ROUNDING * radius**2
+        done = exact | (np.abs(new - t) <= ROUNDING * np.maximum(np.abs(t), np.abs(span[:, 1] - span[:, 0])))
+        t = np.where(exact, t, new)
+        if (done | short).all():
             break
     return np.where(short, nearer, t)
 

@@ -146,7 +146,7 @@ def _across_chords(
             break
         gap, gu, gv = level_gap(surface, flat[index] + offset[index, None] * way[index], level[index])
         slope = gu * way[index, 0] + gv * way[index, 1]
-        done = np.abs(gap) <= ON_LEVEL + 4e-16 * level[index]
+        done = np.abs(gap) <= ON_LEVEL + 4e-15 * level[index]
         with np.errstate(divide="ignore", invalid="ignore"):
             step = np.where(np.abs(slope) > 1e-9, gap / slope, np.nan)
         new = offset[index] - np.where(done, 0.0, step)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from brep_slicer.curves.spline import spline_through_nodes, straightened
+from brep_slicer.field import SNAP, radii_of
 from brep_slicer.geometry import Face
 from brep_slicer.geometry.trimming import trimming_of
 from brep_slicer.maps import Array
@@ -19,6 +20,7 @@ from brep_slicer.maps import Array
 from .closed_forms import FaceArcs
 from .face_nodes import FaceNodes, pair_along
 from .guides import FaceGrid, between, grid_of_face, place_on_lines
+from .quadrics import closed_form_on_quadric
 from .traced import arcs_of_spans, level_gap, trace_spans
 
 # A traced curve is a straight line when its control points lie on one to this (mm), the accuracy of the tracing.
@@ -29,8 +31,14 @@ VERTICES_PER_SPAN = 6
 CELLS_AWAY = 2.0
 
 
-def arcs_on_traced_face(face: Face, found: FaceNodes, radii: Array, *, closed: bool) -> FaceArcs:
-    """All arcs of all layers; with `closed`, also level curves that meet no edge."""
+def arcs_on_traced_face(
+    face: Face, found: FaceNodes, radii: Array, stationary: Array, sides: Array, *, closed: bool
+) -> FaceArcs:
+    """All arcs of all layers; with `closed`, also level curves that meet no edge.
+
+    `stationary` (n, 2) are the parameters of extremes and saddles of rho inside of the face, `sides` (loops,) the effective
+    radius of one vertex of each of its loops.
+    """
     arcs = FaceArcs()
     starts = np.bincount(found.layer[found.begins], minlength=len(radii))
     ends = np.bincount(found.layer[~found.begins], minlength=len(radii))
@@ -44,8 +52,22 @@ def arcs_on_traced_face(face: Face, found: FaceNodes, radii: Array, *, closed: b
     lost = _direct(face, found, radii, first, last, arcs)
     guided = set(np.flatnonzero((starts == ends) & (starts > 1)).tolist()) | {int(found.layer[i]) for i in lost}
     if guided or closed:
-        _guided(face, found, radii, sorted(guided), arcs, closed=closed)
+        _guided(face, found, radii, sorted(guided), arcs, grid_of_face(face, stationary), closed=closed)
+    if closed:
+        _check_islands(face, found, radii, np.concatenate([sides, radii_of(face.surface.points(stationary))]), arcs)
     return arcs
+
+
+def _check_islands(face: Face, found: FaceNodes, radii: Array, marks: Array, arcs: FaceArcs) -> None:
+    """On a layer that crosses none of the face's edges, places of the face on both sides of R must have a curve between them.
+
+    `marks` (n,) are the effective radii of the face's loops and of its stationary points.
+    """
+    crossed = set(found.layer.tolist()) | set(arcs.layer) | set(arcs.failed)
+    above = marks[None, :] > radii[:, None] + SNAP
+    for layer in np.flatnonzero(above.any(axis=1) & ~above.all(axis=1)).tolist():
+        if layer not in crossed:
+            arcs.failed[layer] = f"face {face.index} lies on both sides of the layer, and no curve between them was found"
 
 
 def _direct(face: Face, found: FaceNodes, radii: Array, first: NDArray[np.int64], last: NDArray[np.int64], arcs: FaceArcs):
@@ -60,20 +82,23 @@ def _direct(face: Face, found: FaceNodes, radii: Array, first: NDArray[np.int64]
     made = arcs_of_spans(spans, radius)
     for k, traced in made.items():
         layer = int(found.layer[first[k]])
-        _add(face, arcs, traced, layer, int(found.node[first[k]]), int(found.node[last[k]]))
+        _add(face, arcs, traced, float(radii[layer]), layer, int(found.node[first[k]]), int(found.node[last[k]]))
     return [int(first[k]) for k in arc.tolist() if k not in made]
 
 
-def _add(face: Face, arcs: FaceArcs, traced: tuple[Array, Array, float], layer: int, start: int, end: int) -> None:
+def _add(
+    face: Face, arcs: FaceArcs, traced: tuple[Array, Array, float], radius: float, layer: int, start: int, end: int
+) -> None:
     nodes, breaks, residual = traced
     curve = straightened(spline_through_nodes(nodes, breaks, residual=residual, face=face.index), STRAIGHT)
-    arcs.add(curve, layer, start, end)
+    arcs.add(closed_form_on_quadric(face, curve, radius), layer, start, end)
     arcs.residual[layer] = max(arcs.residual.get(layer, 0.0), residual)
 
 
-def _guided(face: Face, found: FaceNodes, radii: Array, layers: list[int], arcs: FaceArcs, *, closed: bool) -> None:
+def _guided(
+    face: Face, found: FaceNodes, radii: Array, layers: list[int], arcs: FaceArcs, grid: FaceGrid, *, closed: bool
+) -> None:
     """Trace along coarse level lines, layer by layer."""
-    grid = grid_of_face(face)
     trimming = trimming_of(face) if closed else None
     if closed:
         near = 1e-9 * max(1.0, float(grid.rho.max()))
@@ -92,9 +117,8 @@ def _guided(face: Face, found: FaceNodes, radii: Array, layers: list[int], arcs:
             used = set(place_on_lines(found.uv[mine], lines, grid.scale).line.tolist()) if len(mine) and lines else set()
         if trimming is not None:
             for number, line in enumerate(lines):
-                if number in used or not np.array_equal(line[0], line[-1]) or not trimming.contains(line[:-1]).all():
-                    continue
-                _trace_closed(face, grid, line, radius, layer, arcs)
+                if number not in used and np.array_equal(line[0], line[-1]) and trimming.surely_contains(line[:-1], grid.scale):
+                    _trace_closed(face, grid, line, radius, layer, arcs)
 
 
 def _trace_guided(
@@ -156,7 +180,7 @@ def _onto_level(face: Face, points: Array, radius: float, grid: FaceGrid) -> Arr
     """Vertices of a guide brought onto the level along the gradient (in mm, not in u and v)."""
     uv = points.copy()
     square = grid.scale**2
-    for _ in range(8):
+    for _ in range(24):
         gap, gu, gv = level_gap(face.surface, uv, np.full(len(uv), radius))
         size = gu * gu / square[0] + gv * gv / square[1]
         uv = uv - np.stack([gu / square[0], gv / square[1]], axis=1) * (gap / np.maximum(size, 1e-12))[:, None]
@@ -185,7 +209,7 @@ def _trace_plans(face: Face, grid: FaceGrid, plans, radius: float, layer: int, h
     if len(made) != len(plans):
         return False
     for number, (i, j, _) in enumerate(plans):
-        _add(face, arcs, made[number], layer, int(here.node[i]), int(here.node[j]))
+        _add(face, arcs, made[number], radius, layer, int(here.node[i]), int(here.node[j]))
     return True
 
 
@@ -207,4 +231,4 @@ def _trace_closed(face: Face, grid: FaceGrid, line: Array, radius: float, layer:
     if 0 not in made:
         arcs.failed[layer] = reason
         return
-    _add(face, arcs, made[0], layer, -1, -1)
+    _add(face, arcs, made[0], radius, layer, -1, -1)

@@ -1,0 +1,127 @@
+"""Sections that were wrong once, each with what was wrong; the formula says what is right."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+import brep_slicer as bs
+from brep_slicer.errors import LayerError
+from brep_slicer.kernel.shapes import volume_of
+from brep_slicer.section import cut_solids
+from brep_slicer.section.analytic import sections_by_analysis
+from brep_slicer.section.volume import integrate_sections
+
+bd = pytest.importorskip("build123d")
+Z = bs.axis_from_text("Z")
+
+
+def prepared(shape):
+    return cut_solids(bs.as_part(shape.solids()[0]), Z)[0]
+
+
+def shaft(radius=40.0, height=80.0):
+    return bd.Solid.make_cylinder(radius, height, bd.Plane(origin=(0, 0, -0.5 * height)))
+
+
+class TestASphereOnAShaft:
+    """Its sections meet no edge. Just above the shaft, and just below the top, they were missing without a word."""
+
+    def solid(self):
+        return prepared(shaft() + bd.Solid.make_sphere(15, bd.Plane(origin=(38, 3, 5))))
+
+    @staticmethod
+    def area(r):
+        # |v| < sqrt(rho_s**2 - d**2), d**2 = r**2 + e**2 - 2 r e cos(theta)
+        e = math.hypot(38, 3)
+        most = math.acos(min(1.0, (r * r + e * e - 225.0) / (2.0 * r * e)))
+        return (
+            4.0
+            * r
+            * quad(
+                lambda t: math.sqrt(max(0.0, 225.0 - r * r - e * e + 2 * r * e * math.cos(t))),
+                0.0,
+                most,
+                epsabs=1e-10,
+                limit=200,
+            )[0]
+        )
+
+    def test_never_silently_empty(self):
+        solid = self.solid()
+        tip = solid.critical.highest
+        radii = np.concatenate([40.0 + np.geomspace(1e-6, 1.0, 13), [45.0, 50.0], tip - np.geomspace(1.0, 1e-7, 15)])
+        certified = 0
+        for section, radius in zip(sections_by_analysis(solid, radii), radii.tolist(), strict=True):
+            if isinstance(section, LayerError):
+                continue
+            certified += 1
+            area = sum(loop.signed_area() for loop in section[0])
+            assert area == pytest.approx(self.area(radius), rel=1e-6, abs=1e-8), radius
+        assert certified >= 20
+
+    def test_islands_near_the_tip_are_found(self):
+        solid = self.solid()
+        heights = 10.0 ** -np.arange(8, 0, -1.0)
+        areas = [
+            sum(loop.signed_area() for loop in s[0])
+            for s in sections_by_analysis(solid, solid.critical.highest - heights[::-1])
+        ]
+        # a paraboloid: the area is proportional to the height above the layer
+        assert np.allclose(np.array(areas)[3:] / heights[::-1][3:], areas[-1] / heights[0], rtol=1e-2)
+
+
+def test_a_torus_thicker_than_its_axis(real_step):
+    """A nose stored as a torus that crosses its own axis: the circle was taken from the wrong branch of its profile."""
+    part = bs.read_step(real_step("propeller_6land_D_5axisslicer.step"))
+    (solid,) = cut_solids(part, bs.find_axis(part))
+    (section,) = sections_by_analysis(solid, np.array([3.0114791606014606]))
+    assert sum(loop.signed_area() for loop in section[0]) == pytest.approx(614.25349, abs=1e-4)
+
+
+def test_the_innermost_layer_of_a_gear():
+    """At its root circle the plane faces' arcs run across the teeth, not along the root lands."""
+    gears = pytest.importorskip("fixtures.gears")
+    (layer,) = bs.slice_part(gears.gear(gears.SPUR_GEAR), [87.5], axis=Z)
+    assert len(layer.region.pieces) == 20
+    assert layer.area == pytest.approx(20 * gears.SPUR_GEAR.area(87.5), rel=1e-12)
+
+
+def test_a_layer_that_just_touches_a_flat():
+    """At R = 80 the flat x = 80 is touched along a line: two nodes fell on each other, and the pairing failed."""
+    bodies = pytest.importorskip("fixtures.bodies")
+    for turn in (0.0, 0.0625, 2.0):
+        (layer,) = bs.slice_part(bodies.BoxOnShaft(turn=turn).solid(), [80.0], axis=Z)
+        assert layer.certificate.engine is bs.Engine.ANALYTIC
+        assert layer.area == pytest.approx(2 * 80.0 * math.asin(20.0 / 80.0) * 30.0, rel=1e-12)
+
+
+COS, SIN = math.cos(0.4), math.sin(0.4)
+QUADRICS = {
+    "oblique hole": lambda: (
+        bd.Solid.make_cylinder(50, 80, bd.Plane(origin=(0, 0, -40)))
+        - bd.Solid.make_cylinder(
+            8, 300, bd.Plane((-150 * math.cos(0.4), 5, -150 * math.sin(0.4)), z_dir=(math.cos(0.4), 0, math.sin(0.4)))
+        )
+    ),
+    "cone pin": lambda: shaft() + bd.Solid.make_cone(12, 5, 60, bd.Plane((5, 2, 0), z_dir=(0.9, 0.2, 0.3))),
+    "tilted torus": lambda: shaft() + bd.Solid.make_torus(15, 5, bd.Plane((42, 0, 0), z_dir=(1, 0.2, 0.3))),
+}
+
+
+@pytest.mark.parametrize("make", QUADRICS.values(), ids=QUADRICS)
+def test_volume_of_faces_in_any_position(make):
+    solid = prepared(make())
+    found = integrate_sections(solid)
+    assert found.volume == pytest.approx(volume_of(solid.wrapped), rel=1e-8)
+
+
+def test_quadrics_keep_their_kind():
+    solid = prepared(QUADRICS["oblique hole"]())
+    kinds = {
+        c.kind.value for loops, _ in sections_by_analysis(solid, np.array([31.0, 40.0])) for loop in loops for c in loop.curves
+    }
+    assert kinds == {"line", "quadric"}

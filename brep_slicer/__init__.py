@@ -13,13 +13,26 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .curves import Curve, CurveKind, Loop
     from .errors import BrepSlicerError, InputError, KernelError, LayerError, PlanningError
-    from .fill import Bead, BeadKind, Contours, Hatch, LayerFill, Pattern, PatternSequence, fill_region
+    from .fill import (
+        Bead,
+        BeadKind,
+        Contours,
+        FlankFollowing,
+        Hatch,
+        Helix,
+        LayerFill,
+        Pattern,
+        PatternSequence,
+        Rings,
+        Zigzag,
+        fill_region,
+    )
     from .inspection import Inspection, inspect_part
     from .output.tables import read_toolpath
     from .output.write import write_plan
     from .part import Part, Solid, as_part, read_step
     from .planning import Plan, plan
-    from .process import CutAt, LastLayer, Process, read_process
+    from .process import CutAt, InnerPattern, LastLayer, Process, read_process
     from .region import FailedLayer, Layer, Piece, Region, slice_part
     from .section import Certificate, Engine
     from .substrate.axis import Axis, axis_candidates, axis_from_line, axis_from_text, find_axis
@@ -29,13 +42,26 @@ if TYPE_CHECKING:
 _HOMES = {
     "curves": ("Curve", "CurveKind", "Loop"),
     "errors": ("BrepSlicerError", "InputError", "KernelError", "LayerError", "PlanningError"),
-    "fill": ("Bead", "BeadKind", "Contours", "Hatch", "LayerFill", "Pattern", "PatternSequence", "fill_region"),
+    "fill": (
+        "Bead",
+        "BeadKind",
+        "Contours",
+        "FlankFollowing",
+        "Hatch",
+        "Helix",
+        "LayerFill",
+        "Pattern",
+        "PatternSequence",
+        "Rings",
+        "Zigzag",
+        "fill_region",
+    ),
     "inspection": ("Inspection", "inspect_part"),
     "output.tables": ("read_toolpath",),
     "output.write": ("write_plan",),
     "part": ("Part", "Solid", "as_part", "read_step"),
     "planning": ("Plan", "plan"),
-    "process": ("CutAt", "LastLayer", "Process", "read_process"),
+    "process": ("CutAt", "InnerPattern", "LastLayer", "Process", "read_process"),
     "region": ("FailedLayer", "Layer", "Piece", "Region", "slice_part"),
     "section": ("Certificate", "Engine"),
     "substrate.axis": ("Axis", "axis_candidates", "axis_from_line", "axis_from_text", "find_axis"),

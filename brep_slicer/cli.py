@@ -114,6 +114,9 @@ def plan(
     contours: Annotated[
         int | None, typer.Option("--contours", help="Beads along the outline before hatching (default 0).")
     ] = None,
+    pattern: Annotated[
+        str | None, typer.Option("--pattern", help="Inside of the contours: hatch (default), zigzag, flank, rings or helix.")
+    ] = None,
     angle: Annotated[
         list[float] | None,
         typer.Option("--angle", help="Hatch angle, degrees from the circumference; repeated: layer by layer in turn."),
@@ -159,6 +162,7 @@ def plan(
         "both_ways": False if one_way else None,
         "deposition_speed_mm_s": speed,
         "chord": chord,
+        "pattern": _choice("--pattern", pattern, "InnerPattern"),
         "last_layer": _choice("--last-layer", last_layer, "LastLayer"),
         "cut_at": _choice("--cut-at", cut_at, "CutAt"),
     }

@@ -10,9 +10,20 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from brep_slicer.errors import InputError, LayerError, PlanningError
-from brep_slicer.fill import Contours, Hatch, LayerFill, Pattern, PatternSequence, fill_region
+from brep_slicer.fill import (
+    Contours,
+    FlankFollowing,
+    Hatch,
+    Helix,
+    LayerFill,
+    Pattern,
+    PatternSequence,
+    Rings,
+    Zigzag,
+    fill_region,
+)
 from brep_slicer.part import Part, as_part
-from brep_slicer.process import Process
+from brep_slicer.process import InnerPattern, Process
 from brep_slicer.region import FailedLayer, Layer, slice_solids
 from brep_slicer.section import CutSolid, Engine, cut_solids
 from brep_slicer.substrate.axis import Axis, find_axis
@@ -178,7 +189,15 @@ def pattern_of(process: Process, layer: int) -> Pattern:
     if process.contours:
         patterns.append(Contours(count=process.contours))
     if process.hatch:
-        patterns.append(Hatch(angle=process.hatch_angle(layer), both_ways=process.both_ways))
+        angle = process.hatch_angle(layer)
+        inner: dict[InnerPattern, Pattern] = {
+            InnerPattern.HATCH: Hatch(angle=angle, both_ways=process.both_ways),
+            InnerPattern.ZIGZAG: Zigzag(angle=angle),
+            InnerPattern.FLANK: FlankFollowing(both_ways=process.both_ways),
+            InnerPattern.RINGS: Rings(),
+            InnerPattern.HELIX: Helix(),
+        }
+        patterns.append(inner[process.pattern])
     return patterns[0] if len(patterns) == 1 else PatternSequence(patterns=tuple(patterns))
 
 

@@ -32,6 +32,16 @@ class LastLayer(enum.Enum):
     STRETCH = "stretch"
 
 
+class InnerPattern(enum.Enum):
+    """What fills a layer inside of its contours."""
+
+    HATCH = "hatch"
+    ZIGZAG = "zigzag"
+    FLANK = "flank"
+    RINGS = "rings"
+    HELIX = "helix"
+
+
 class CutAt(enum.Enum):
     """Where in its thickness a layer is cut."""
 
@@ -51,6 +61,8 @@ class Process:
         d, between the centres of neighbouring beads.
     bead_width : float, optional
         w; 1.44 d if not given (the paper's 4.9 / 3.4).
+    pattern : InnerPattern
+        What fills the inside: hatch, zigzag (continuous), flank (along the piece's long edges), rings or helix (full turns).
     hatch_angles : sequence of float
         Angle of layer i is hatch_angles[i modulo their number], plus i * hatch_angle_step; counter-clockwise from +kappa.
     inset : float, optional
@@ -71,6 +83,7 @@ class Process:
     inset: float | None = None
     contours: int = 0
     hatch: bool = True
+    pattern: InnerPattern = InnerPattern.HATCH
     hatch_angles: tuple[float, ...] = (0.0,)
     hatch_angle_step: float = 0.0
     both_ways: bool = True
@@ -243,7 +256,7 @@ def _toml_names() -> list[str]:
 
 
 def _from_plain(name: str, value: Any, source: str) -> Any:
-    enums: dict[str, type[enum.Enum]] = {"last_layer": LastLayer, "cut_at": CutAt}
+    enums: dict[str, type[enum.Enum]] = {"last_layer": LastLayer, "cut_at": CutAt, "pattern": InnerPattern}
     if name in enums:
         try:
             return enums[name](value)

@@ -4,9 +4,12 @@ In: a region, a pattern, the step-over. Out: beads in (kappa, v), in the order o
 """
 
 from .bead import Bead, BeadKind, LayerFill
+from .cladding import Helix, Rings
 from .contours import Contours
+from .flank import FlankFollowing, flank_direction
 from .hatch import Hatch
 from .pattern import Cell, CellFill, Pattern, PatternSequence, fill_region
+from .zigzag import Zigzag
 
 __all__ = [
     "Bead",
@@ -14,9 +17,14 @@ __all__ = [
     "Cell",
     "CellFill",
     "Contours",
+    "FlankFollowing",
     "Hatch",
+    "Helix",
     "LayerFill",
     "Pattern",
     "PatternSequence",
+    "Rings",
+    "Zigzag",
     "fill_region",
+    "flank_direction",
 ]

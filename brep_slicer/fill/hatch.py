@@ -94,7 +94,9 @@ def _sharp_ends(cell: Cell, inset: Inset, lines: list[tuple[Array, bool]], angle
     ends = points[open_ones]
     flat = np.concatenate([ends[:, 0], ends[:, 1]])
     ways = np.concatenate([np.tile(-along, (len(ends), 1)), np.tile(along, (len(ends), 1))])
-    # a line that meets the outline at a grazing angle may have to slide a long way; twenty slacks are 3 degrees
-    moved = ends_at_inset(outline, flat, ways, inset=cell.inset, limit=20.0 * inset.slack)
+    # a line that meets the outline at a grazing angle may have to slide a long way: twenty slacks are 3 degrees, and on a full
+    # turn, whose edges mostly run round the shaft, as far as the lines' own angle asks
+    reach = 20.0 + (2.0 / max(abs(math.sin(angle)), 1e-6) if cell.piece.winds else 0.0)
+    moved = ends_at_inset(outline, flat, ways, inset=cell.inset, limit=reach * inset.slack)
     points[open_ones] = np.stack([moved[: len(ends)], moved[len(ends) :]], axis=1)
     return points

@@ -17,8 +17,9 @@ from .axis import SAME_DIRECTION, SAME_PLACE, Axis
 
 # Cylinders whose radii differ by less (mm) are one: several faces of one shaft in a file with rounded coordinates.
 SAME_RADIUS = 1e-5
-# There is metal beyond a cylinder when the part reaches farther out than this, mm: more than lands in files deviate.
-BEYOND = 1e-2
+# There is metal beyond a cylinder when the part reaches farther out than this (mm), or this share of its radius if that is
+# less: more than lands in files deviate from their cylinder.
+BEYOND, BEYOND_SHARE = 1e-2, 1e-3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,6 +40,11 @@ class Substrate:
     solids: tuple[int, ...]
     reason: str
     warnings: tuple[str, ...] = ()
+
+
+def beyond(radius: float) -> float:
+    """How far past `radius` (mm) there has to be metal before it counts, mm."""
+    return min(BEYOND, BEYOND_SHARE * radius)
 
 
 def coaxial_cylinders(part: Part, axis: Axis) -> list[CylinderCandidate]:
@@ -101,18 +107,18 @@ def find_substrate(
     if radius is not None:
         if not (np.isfinite(radius) and radius > 0.0):
             raise InputError(f"the substrate radius is {radius:g} mm; it must be greater than zero")
-        if radius >= highest - BEYOND:
+        if radius >= highest - beyond(radius):
             raise InputError(
                 f"{part.source}: the substrate radius {radius:g} mm leaves nothing to build: the part ends at"
                 f" {highest:.6g} mm; give a smaller one (building inwards is not planned)"
             )
         return Substrate(radius=radius, solids=_standing(part, candidates, radius, reach, solids), reason="given")
-    external = [c for c in candidates if c.external and highest > c.radius + BEYOND]
+    external = [c for c in candidates if c.external and highest > c.radius + beyond(c.radius)]
     if external:
         chosen = external[0]
         reason = f"largest external coaxial cylinder with metal beyond it ({_listed(candidates)})"
         return Substrate(radius=chosen.radius, solids=_standing(part, candidates, chosen.radius, reach, solids), reason=reason)
-    bores = [c for c in candidates if not c.external and highest > c.radius + BEYOND]
+    bores = [c for c in candidates if not c.external and highest > c.radius + beyond(c.radius)]
     if bores:
         warning = (
             f"no shaft surface belongs to the part: it is taken to sit on a shaft that fills its bore, R {bores[0].radius:g}"
@@ -138,9 +144,9 @@ def _standing(part: Part, candidates, radius: float, reach: dict[int, float], so
         return tuple(solids)
     if len(part.solids) == 1:
         return ()
-    inside = {i for i, r in reach.items() if r <= radius + BEYOND}
+    inside = {i for i, r in reach.items() if r <= radius + beyond(radius)}
     owners = {i for c in candidates if c.external and abs(c.radius - radius) <= SAME_RADIUS for i in c.solids}
-    others = {i for i, r in reach.items() if r > radius + BEYOND} - owners
+    others = {i for i, r in reach.items() if r > radius + beyond(radius)} - owners
     return tuple(sorted(inside | owners if others else inside))
 
 

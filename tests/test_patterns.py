@@ -1,0 +1,117 @@
+"""Patterns beyond hatch and contours: zigzag, rings, helices, flank-following."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import brep_slicer as bs
+from brep_slicer.curves import LineCurve, Loop
+from brep_slicer.fill import Contours, FlankFollowing, Hatch, Helix, PatternSequence, Rings, Zigzag, fill_region
+from brep_slicer.fill.distance import Outline
+from brep_slicer.region import region_from_loops
+
+from .test_fill import ARGS, REGIONS, TURN, D, R, W, along, band, box
+
+Z = bs.axis_from_text("Z")
+PATTERNS = {
+    "hatch": Hatch(angle=0.4),
+    "zigzag": Zigzag(angle=0.4),
+    "rings": Rings(),
+    "helix": Helix(),
+    "three left-handed helices": Helix(starts=3, left_handed=True),
+    "flank": FlankFollowing(),
+    "contours and zigzag": PatternSequence(patterns=(Contours(count=1), Zigzag(angle=1.0))),
+}
+
+
+def plain_band(height=40.0):
+    lower = Loop(curves=(LineCurve(p0=(0.0, 0.0), p1=(TURN, 0.0)),), radius=R, winding=1)
+    upper = Loop(curves=(LineCurve(p0=(TURN, height), p1=(0.0, height)),), radius=R, winding=-1)
+    return region_from_loops(R, [lower, upper])
+
+
+@pytest.mark.parametrize("pattern", PATTERNS.values(), ids=PATTERNS)
+@pytest.mark.parametrize("make", REGIONS.values(), ids=REGIONS)
+def test_every_bead_keeps_its_inset_and_no_piece_is_lost(pattern, make):
+    region = make()
+    fill = fill_region(region, pattern, **ARGS)
+    outline = Outline(region.pieces[0], 0.5 * W)
+    gaps, _ = outline.distances(np.concatenate([along(b.points) for b in fill.beads]))
+    assert gaps.min() >= 0.5 * W - 1e-6
+    assert {b.piece for b in fill.beads} == set(range(len(region.pieces)))
+
+
+def test_a_zigzag_is_one_bead_in_a_convex_piece():
+    hatch, zigzag = (fill_region(box(), p, **ARGS) for p in (Hatch(angle=0.0), Zigzag(angle=0.0)))
+    assert len(zigzag.beads) == 1
+    lines = sum(b.length() for b in hatch.beads)
+    assert zigzag.beads[0].length() == pytest.approx(lines + (len(hatch.beads) - 1) * D, rel=1e-9)
+
+
+@given(st.floats(10.0, 60.0))
+@settings(max_examples=20, deadline=None)
+def test_a_helix_is_one_bead_and_covers_what_rings_do(height):
+    region = plain_band(height)
+    helix = fill_region(region, Helix(), **ARGS)
+    assert len(helix.beads) == 1
+    (bead,) = helix.beads
+    rise = height - W
+    # one start: it climbs d in a turn of the cylinder
+    assert bead.length() == pytest.approx(rise / D * TURN, rel=1e-9)
+    slope = (bead.points[-1, 1] - bead.points[0, 1]) / (bead.points[-1, 0] - bead.points[0, 0])
+    assert math.sin(math.atan(slope)) == pytest.approx(D / TURN, rel=1e-12)
+
+
+def test_lengths_against_n_rings():
+    # N rings in the same inset: a helix has (N - 1) ring lengths, with closing rings (N + 1)
+    n = 9
+    region = plain_band(W + (n - 1) * D)
+    rings, helix, closed = (fill_region(region, p, **ARGS) for p in (Rings(), Helix(), Helix(closing_rings=True)))
+    assert len(rings.beads) in (n - 1, n)
+    turns = sum(b.length() for b in helix.beads) / TURN
+    assert turns == pytest.approx(n - 1, rel=1e-5)
+    assert sum(b.length() for b in closed.beads) / TURN == pytest.approx(turns + 2.0, rel=1e-9)
+
+
+def test_a_keyway_interrupts_a_helix_and_nothing_else_does():
+    fill = fill_region(band(), Helix(), **ARGS)
+    # every end but the first and the last lies at the keyway
+    ends = np.concatenate([b.points[[0, -1]] for b in fill.beads])
+    outline = Outline(band().pieces[0], 0.5 * W)
+    gaps, _ = outline.distances(ends)
+    assert np.abs(gaps - 0.5 * W).max() < 1e-6
+    v = np.sort(ends[:, 1])
+    assert ((v[1:-1] > 10.0 - W) & (v[1:-1] < 30.0 + W)).all()
+
+
+def test_a_helix_on_a_piece_that_does_not_wind_is_said():
+    fill = fill_region(box(), Helix(), **ARGS)
+    assert "does not go all the way round" in fill.notes[0]
+
+
+def test_flank_following_on_the_helical_tooth(fixture_step):
+    # dkappa/dv = 2 pi r / p_z at each layer
+    gears = pytest.importorskip("fixtures.gears")
+    part = bs.read_step(fixture_step("helical_gear_tooth"))
+    process = bs.Process(layer_thickness=1.4, step_over=3.4, pattern=bs.InnerPattern.FLANK)
+    plan = bs.plan(part, process)
+    for layer, fill in zip(plan.layers, plan.fills, strict=True):
+        expected = math.atan2(1.0, 2.0 * math.pi * layer.radius / gears.HELICAL_TOOTH.lead)
+        for bead in fill.beads:
+            step = bead.points[-1] - bead.points[0]
+            assert math.remainder(math.atan2(step[1], step[0]) - expected, math.pi) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_patterns_from_the_command(fixture_step, tmp_path):
+    from typer.testing import CliRunner
+
+    from brep_slicer.cli import app
+
+    words = ["plan", str(fixture_step("keyed_band")), "-t", "2", "-d", "3", "--layers", "0:1", "-o", str(tmp_path)]
+    for name in ("hatch", "zigzag", "flank", "rings", "helix"):
+        assert CliRunner().invoke(app, [*words, "--pattern", name]).exit_code == 0

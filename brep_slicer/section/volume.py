@@ -59,6 +59,7 @@ def integrate_sections(solid: CutSolid, *, engine: Engine = Engine.ANALYTIC, rel
     breaks = np.concatenate([[solid.critical.lowest], solid.critical.radii[solid.critical.radii > solid.critical.lowest]])
     wide = np.diff(breaks) > SHORTEST
     a, b = breaks[:-1][wide], breaks[1:][wide]
+    farthest = float(np.abs(solid.brep.vertices[:, 2]).max())
     slivers = b - a <= NARROW
     bounded = [_sliver(solid, low, high) for low, high in zip(a[slivers].tolist(), b[slivers].tolist(), strict=True)]
     done, errors = (np.array([x[i] for x in bounded]).reshape(-1, 2) for i in (0, 1))
@@ -71,7 +72,9 @@ def integrate_sections(solid: CutSolid, *, engine: Engine = Engine.ANALYTIC, rel
         current, n, f = _panel(solid, a, b, nodes, engine)
         count, fallen = count + n, fallen + f
         change = np.abs(current - previous)
-        whole = np.abs(np.concatenate([done, current])).sum(axis=0)
+        # the moment is measured against the volume at the part's farthest height: it may be nil itself
+        volume = float(np.abs(np.concatenate([done, current])[:, 0]).sum())
+        whole = volume * np.array([1.0, farthest])
         settled = (change <= relative * whole / max(len(a), 1)).all(axis=1) | (nodes >= MOST_NODES)
         done, errors = np.concatenate([done, current[settled]]), np.concatenate([errors, change[settled]])
         a, b, previous = a[~settled], b[~settled], current[~settled]
@@ -92,7 +95,7 @@ def _sliver(solid: CutSolid, a: float, b: float) -> tuple[tuple[float, float], t
     areas = [sum(loop.signed_area() for loop in s[0]) for s in found if not isinstance(s, LayerError)]
     moments = [-0.5 * sum(loop.moment(2) for loop in s[0]) for s in found if not isinstance(s, LayerError)]
     if len(areas) == len(found):
-        value = 0.5 * (b - a) * (w @ areas), 0.5 * (b - a) * (w @ moments)
+        value = 0.5 * (b - a) * float(w @ areas), 0.5 * (b - a) * float(w @ moments)
         return value, ((b - a) * float(np.ptp(areas)), (b - a) * float(np.ptp(moments)))
     low, high = float(solid.brep.vertices[:, 2].min()), float(solid.brep.vertices[:, 2].max())
     most = TURN * b * (high - low) * (b - a)

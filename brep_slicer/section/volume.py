@@ -61,7 +61,11 @@ def integrate_sections(solid: CutSolid, *, engine: Engine = Engine.ANALYTIC, rel
     a, b = breaks[:-1][wide], breaks[1:][wide]
     farthest = float(np.abs(solid.brep.vertices[:, 2]).max())
     slivers = b - a <= NARROW
-    bounded = [_sliver(solid, low, high) for low, high in zip(a[slivers].tolist(), b[slivers].tolist(), strict=True)]
+    # what a sliver can hold at most is not worth cutting for where it is below the error that is asked for
+    negligible = relative * 0.5 * TURN * solid.critical.highest**2 * float(np.ptp(solid.brep.vertices[:, 2]))
+    bounded = [
+        _sliver(solid, low, high, negligible) for low, high in zip(a[slivers].tolist(), b[slivers].tolist(), strict=True)
+    ]
     done, errors = (np.array([x[i] for x in bounded]).reshape(-1, 2) for i in (0, 1))
     count, fallen, nodes = FIRST_NODES * len(bounded), 0, FIRST_NODES
     a, b = a[~slivers], b[~slivers]
@@ -88,8 +92,16 @@ def integrate_sections(solid: CutSolid, *, engine: Engine = Engine.ANALYTIC, rel
     )
 
 
-def _sliver(solid: CutSolid, a: float, b: float) -> tuple[tuple[float, float], tuple[float, float]]:
-    """(volume, moment) of a narrow interval and their errors; half of what it can hold at most, if a section fails."""
+def _sliver(solid: CutSolid, a: float, b: float, negligible: float) -> tuple[tuple[float, float], tuple[float, float]]:
+    """(volume, moment) of a narrow interval and their errors.
+
+    Half of what it can hold at most, if a section fails or that is below `negligible` (mm**3).
+    """
+    low, high = float(solid.brep.vertices[:, 2].min()), float(solid.brep.vertices[:, 2].max())
+    most = TURN * b * (high - low) * (b - a)
+    half = (0.5 * most, 0.25 * most * (low + high)), (0.5 * most, most * max(abs(low), abs(high)))
+    if most <= negligible:
+        return half
     x, w = np.polynomial.legendre.leggauss(FIRST_NODES)
     found = sections_by_analysis(solid, 0.5 * (a + b) + 0.5 * (b - a) * x)
     areas = [sum(loop.signed_area() for loop in s[0]) for s in found if not isinstance(s, LayerError)]
@@ -97,9 +109,7 @@ def _sliver(solid: CutSolid, a: float, b: float) -> tuple[tuple[float, float], t
     if len(areas) == len(found):
         value = 0.5 * (b - a) * float(w @ areas), 0.5 * (b - a) * float(w @ moments)
         return value, ((b - a) * float(np.ptp(areas)), (b - a) * float(np.ptp(moments)))
-    low, high = float(solid.brep.vertices[:, 2].min()), float(solid.brep.vertices[:, 2].max())
-    most = TURN * b * (high - low) * (b - a)
-    return (0.5 * most, 0.25 * most * (low + high)), (0.5 * most, most * max(abs(low), abs(high)))
+    return half
 
 
 def _panel(solid: CutSolid, a: Array, b: Array, nodes: int, engine: Engine) -> tuple[Array, int, int]:

@@ -63,11 +63,8 @@ def integrate_sections(solid: CutSolid, *, engine: Engine = Engine.ANALYTIC, rel
     slivers = b - a <= NARROW
     # what a sliver can hold at most is not worth cutting for where it is below the error that is asked for
     negligible = relative * 0.5 * TURN * solid.critical.highest**2 * float(np.ptp(solid.brep.vertices[:, 2]))
-    bounded = [
-        _sliver(solid, low, high, negligible) for low, high in zip(a[slivers].tolist(), b[slivers].tolist(), strict=True)
-    ]
-    done, errors = (np.array([x[i] for x in bounded]).reshape(-1, 2) for i in (0, 1))
-    count, fallen, nodes = FIRST_NODES * len(bounded), 0, FIRST_NODES
+    done, errors, count = _slivers(solid, a[slivers], b[slivers], negligible)
+    fallen, nodes = 0, FIRST_NODES
     a, b = a[~slivers], b[~slivers]
     previous, n, f = _panel(solid, a, b, nodes, engine)
     count, fallen = count + n, fallen + f
@@ -92,24 +89,26 @@ def integrate_sections(solid: CutSolid, *, engine: Engine = Engine.ANALYTIC, rel
     )
 
 
-def _sliver(solid: CutSolid, a: float, b: float, negligible: float) -> tuple[tuple[float, float], tuple[float, float]]:
-    """(volume, moment) of a narrow interval and their errors.
+def _slivers(solid: CutSolid, a: Array, b: Array, negligible: float) -> tuple[Array, Array, int]:
+    """(volume, moment) of narrow intervals (n, 2), their errors (n, 2), and how many sections that took.
 
-    Half of what it can hold at most, if a section fails or that is below `negligible` (mm**3).
+    Half of what an interval can hold at most, if one of its sections fails or that is below `negligible` (mm**3).
     """
     low, high = float(solid.brep.vertices[:, 2].min()), float(solid.brep.vertices[:, 2].max())
     most = TURN * b * (high - low) * (b - a)
-    half = (0.5 * most, 0.25 * most * (low + high)), (0.5 * most, most * max(abs(low), abs(high)))
-    if most <= negligible:
-        return half
+    values = np.stack([0.5 * most, 0.25 * most * (low + high)], axis=1)
+    errors = np.stack([0.5 * most, most * max(abs(low), abs(high))], axis=1)
+    worth = np.flatnonzero(most > negligible)
     x, w = np.polynomial.legendre.leggauss(FIRST_NODES)
-    found = sections_by_analysis(solid, 0.5 * (a + b) + 0.5 * (b - a) * x)
-    areas = [sum(loop.signed_area() for loop in s[0]) for s in found if not isinstance(s, LayerError)]
-    moments = [-0.5 * sum(loop.moment(2) for loop in s[0]) for s in found if not isinstance(s, LayerError)]
-    if len(areas) == len(found):
-        value = 0.5 * (b - a) * float(w @ areas), 0.5 * (b - a) * float(w @ moments)
-        return value, ((b - a) * float(np.ptp(areas)), (b - a) * float(np.ptp(moments)))
-    return half
+    radii = 0.5 * (a + b)[worth, None] + 0.5 * (b - a)[worth, None] * x
+    found = sections_by_analysis(solid, radii.ravel()) if len(worth) else []
+    for k, i in enumerate(worth.tolist()):
+        mine = [s for s in found[k * FIRST_NODES : (k + 1) * FIRST_NODES] if not isinstance(s, LayerError)]
+        if len(mine) == FIRST_NODES:
+            both = np.array([[sum(m.signed_area() for m in s[0]), -0.5 * sum(m.moment(2) for m in s[0])] for s in mine])
+            values[i] = 0.5 * (b[i] - a[i]) * (w @ both)
+            errors[i] = (b[i] - a[i]) * np.ptp(both, axis=0)
+    return values, errors, len(found)
 
 
 def _panel(solid: CutSolid, a: Array, b: Array, nodes: int, engine: Engine) -> tuple[Array, int, int]:

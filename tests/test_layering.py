@@ -24,6 +24,7 @@ FLOW = [
     {"toolpath"},
     {"inspection", "planning"},
     {"output"},
+    {"testing"},
     {"cli"},
 ]
 RANK = {name: i for i, names in enumerate(FLOW) for name in names}

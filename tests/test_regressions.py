@@ -13,7 +13,7 @@ from brep_slicer.errors import LayerError
 from brep_slicer.kernel.shapes import volume_of
 from brep_slicer.section import cut_solids
 from brep_slicer.section.analytic import sections_by_analysis
-from brep_slicer.section.volume import integrate_sections
+from brep_slicer.testing import integrate_sections
 
 bd = pytest.importorskip("build123d")
 Z = bs.axis_from_text("Z")

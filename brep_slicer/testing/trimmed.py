@@ -1,0 +1,193 @@
+"""Quadrature over trimmed faces, split where rho passes given levels.
+
+In: a face's numpy geometry. Out: points on it and the vectors n dS there, n out of the solid. Nothing in common with the
+section engines: no nodes, no curves; the trimming is that of the pcurves.
+
+Words: *line*, a line u = const in a face's parameters; *stretch*, a part of it inside of the trimming, between two levels.
+"""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+from brep_slicer.field import radii_of
+from brep_slicer.geometry import EdgeUse, Face
+from brep_slicer.maps import Array
+
+# Gauss nodes on a panel in u, panels between two kinks, and how finely pcurves are sampled for their crossings with the lines.
+PANEL_NODES, PANELS, PCURVE_SAMPLES = 8, 12, 1500
+# Points along a line between which rho - R is searched for sign changes.
+SEARCH = 96
+NODES_ALONG = 8
+
+
+def surface_nodes(face: Face, levels: tuple[float, ...] = (), *, panels: int = PANELS) -> tuple[Array, Array]:
+    """(points (n, 3), n dS (n, 3)) over the whole face; the nodes keep to one side of each radius in `levels` (mm).
+
+    Where no kink falls inside of a panel, sums over the nodes have twelve digits; elsewhere about six.
+    """
+    u, weights = _lines(face, levels, panels)
+    line, low, high = _inside(face, u)
+    for radius in levels:
+        line, low, high = _split(face, u, line, low, high, radius)
+    line, low, high = _at_breaks(face, line, low, high)
+    if not len(line):
+        return np.zeros((0, 3)), np.zeros((0, 3))
+    x, w = np.polynomial.legendre.leggauss(NODES_ALONG)
+    v = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * x
+    p, su, sv = face.surface.derivatives(np.stack([np.repeat(u[line], NODES_ALONG), v.ravel()], axis=1))
+    share = 0.5 * (high - low)[:, None] * w * weights[line][:, None]
+    return p, face.sign * share.reshape(-1, 1) * np.cross(su, sv)
+
+
+def _lines(face: Face, levels: tuple[float, ...], panels: int) -> tuple[Array, Array]:
+    """Gauss nodes in u and their weights, on panels between everything that makes the integrand kink.
+
+    u = a + (b - a) sin(pi x / 2)**2 between two kinks takes away the square roots where a boundary turns back in u.
+    """
+    low, high = face.box[:, 0]
+    marks = [face.surface.breaks(face.box)[0]]
+    for use in _uses(face):
+        assert use.pcurve is not None
+        p = use.pcurve.points(np.linspace(*use.range, 129))
+        marks += [p[[0, -1], 0], _turns(use)]
+        marks += [_crossings(face, use, radius) for radius in levels]
+    knots = np.clip(np.concatenate(marks), low, high)
+    knots = low + np.unique(np.round((knots - low) / max(high - low, 1e-300), 9)) * (high - low)
+    steps = np.linspace(0.0, 1.0, panels + 1)
+    x, w = np.polynomial.legendre.leggauss(PANEL_NODES)
+    x = (steps[:-1, None] + 0.5 / panels * (x + 1.0)).ravel()
+    w = np.tile(0.5 / panels * w, panels)
+    a, b = knots[:-1, None], knots[1:, None]
+    u = a + (b - a) * np.sin(0.5 * np.pi * x) ** 2
+    return u.ravel(), ((b - a) * 0.5 * np.pi * np.sin(np.pi * x) * w).ravel()
+
+
+def _uses(face: Face) -> list[EdgeUse]:
+    return [use for use in itertools.chain(*face.loops) if use.pcurve is not None]
+
+
+def _turns(use: EdgeUse) -> Array:
+    """u where a pcurve turns back in u: extremes of the parabolas through three samples, once refined."""
+    assert use.pcurve is not None
+    low, high = sorted(use.range)
+    t = np.linspace(*use.range, 129)
+    h = t[1] - t[0]
+    u = use.pcurve.points(t)[:, 0]
+    k = np.flatnonzero(np.diff(np.sign(np.diff(u))) != 0) + 1
+    t = t[k]
+    for _ in range(4):
+        before, here, after = (use.pcurve.points(np.clip(t + d, low, high))[:, 0] for d in (-h, 0.0, h))
+        bend = before - 2.0 * here + after
+        t = t + np.where(bend != 0.0, 0.5 * h * (before - after) / np.where(bend != 0.0, bend, 1.0), 0.0)
+        t = np.clip(t, low, high)
+        h *= 0.1
+    return use.pcurve.points(t)[:, 0]
+
+
+def _crossings(face: Face, use: EdgeUse, radius: float) -> Array:
+    """u where a pcurve meets the level: there the stretches along the lines begin or end."""
+    assert use.pcurve is not None
+    t = np.linspace(*use.range, 129)
+
+    def gap(x: Array) -> Array:
+        assert use.pcurve is not None
+        return radii_of(face.surface.points(use.pcurve.points(x))) - radius
+
+    f = gap(t)
+    change = np.flatnonzero(np.diff(np.sign(f)) != 0)
+    a, b, fa = t[change], t[change + 1], f[change]
+    for _ in range(50):
+        middle = 0.5 * (a + b)
+        same = (gap(middle) > 0.0) == (fa > 0.0)
+        a, b = np.where(same, middle, a), np.where(same, b, middle)
+    return use.pcurve.points(0.5 * (a + b))[:, 0]
+
+
+def _inside(face: Face, u: Array) -> tuple[Array, Array, Array]:
+    """Stretches (line, low, high) of the lines inside of the trimming, by even-odd crossings with the pcurves."""
+    lines, heights = [np.zeros(0, dtype=int)], [np.zeros(0)]
+    order = np.argsort(u)
+    for loop in face.loops:
+        ends = []
+        for use in loop:
+            if use.pcurve is None:
+                continue
+            t = np.linspace(*use.range, PCURVE_SAMPLES)
+            p = use.pcurve.points(t)
+            number, height = _where_met(use, u, order, t, p)
+            lines.append(number)
+            heights.append(height)
+            ends.append((p[0], p[-1]) if use.forward else (p[-1], p[0]))
+        # pcurves that do not quite meet: the step from one's end to the next one's beginning is boundary too
+        for (_, a), (b, _) in zip(ends, ends[1:] + ends[:1], strict=True):
+            between = np.flatnonzero((u >= min(a[0], b[0])) & (u < max(a[0], b[0])))
+            lines.append(between)
+            heights.append(a[1] + (u[between] - a[0]) / ((b[0] - a[0]) or 1.0) * (b[1] - a[1]))
+    line, height = np.concatenate(lines), np.concatenate(heights)
+    order = np.lexsort((height, line))
+    line, height = line[order], height[order]
+    return line[0::2], height[0::2], height[1::2]
+
+
+def _where_met(use: EdgeUse, u: Array, order: Array, t: Array, p: Array) -> tuple[Array, Array]:
+    """(line numbers, v) where the lines u = const meet a pcurve sampled at t; the chords' crossings refined by secants."""
+    assert use.pcurve is not None
+    a, b = p[:-1, 0], p[1:, 0]
+    first = np.searchsorted(u[order], np.minimum(a, b), side="left")
+    count = np.searchsorted(u[order], np.maximum(a, b), side="left") - first
+    piece = np.repeat(np.arange(len(a)), count)
+    number = order[np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count) + first[piece]]
+    ta, tb, ua, ub = t[piece], t[piece + 1], a[piece], b[piece]
+    met = ta + (u[number] - ua) / (ub - ua) * (tb - ta)
+    if not len(number):
+        return number, met
+    for _ in range(2):
+        um = use.pcurve.points(met)[:, 0]
+        left = (um > u[number]) == (ua > u[number])
+        ta, ua = np.where(left, met, ta), np.where(left, um, ua)
+        tb, ub = np.where(left, tb, met), np.where(left, ub, um)
+        width = ub - ua
+        met = ta + np.where(width != 0.0, (u[number] - ua) / np.where(width != 0.0, width, 1.0), 0.0) * (tb - ta)
+    return number, use.pcurve.points(met)[:, 1]
+
+
+def _split(face: Face, u: Array, line: Array, low: Array, high: Array, radius: float) -> tuple[Array, Array, Array]:
+    """Stretches cut in two wherever rho passes the radius along them; by bisection."""
+    if not len(line):
+        return line, low, high
+    share = np.linspace(0.0, 1.0, SEARCH)
+    v = low[:, None] + (high - low)[:, None] * share
+    above = _radii(face, np.repeat(u[line], SEARCH), v.ravel()).reshape(v.shape) > radius
+    stretch, cell = np.nonzero(above[:, 1:] != above[:, :-1])
+    a, b, above_a = v[stretch, cell], v[stretch, cell + 1], above[stretch, cell]
+    for _ in range(50):
+        middle = 0.5 * (a + b)
+        same = (_radii(face, u[line[stretch]], middle) > radius) == above_a
+        a, b = np.where(same, middle, a), np.where(same, b, middle)
+    root = 0.5 * (a + b)
+    number = np.concatenate([np.arange(len(line)), stretch])
+    begin, end = np.concatenate([low, root]), np.concatenate([root, high])
+    order = np.lexsort((begin, number))
+    number, begin = number[order], begin[order]
+    end = np.concatenate([high, root])
+    end = end[np.lexsort((end, np.concatenate([np.arange(len(line)), stretch])))]
+    return line[number], begin, end
+
+
+def _radii(face: Face, u: Array, v: Array) -> Array:
+    return radii_of(face.surface.points(np.stack([u, v], axis=1)))
+
+
+def _at_breaks(face: Face, line: Array, low: Array, high: Array) -> tuple[Array, Array, Array]:
+    """Stretches cut at the surface's breaks, so that the integrand is smooth along each."""
+    for value in face.surface.breaks(face.box)[1][1:-1]:
+        cut = (low < value) & (high > value)
+        line = np.concatenate([line, line[cut]])
+        low, high = (
+            np.concatenate([low, np.full(int(cut.sum()), value)]),
+            np.concatenate([np.where(cut, value, high), high[cut]]),
+        )
+    return line, low, high

@@ -1,0 +1,1 @@
+"""Scripts that measure and print the figures that the documents state."""

@@ -15,7 +15,7 @@ import numpy as np
 from brep_slicer.geometry import Brep
 from brep_slicer.maps import Array
 
-from .trimmed import PANELS, surface_nodes
+from .trimmed import PANELS, surface_cells, surface_nodes
 
 
 def area_by_flux(brep: Brep, radius: float, *, panels: int = PANELS) -> float:
@@ -27,6 +27,43 @@ def area_by_flux(brep: Brep, radius: float, *, panels: int = PANELS) -> float:
         outside = square > radius**2
         total += float(((n[:, 0] * p[:, 0] + n[:, 1] * p[:, 1]) / np.where(square > 0.0, square, 1.0))[outside].sum())
     return radius * total
+
+
+def areas_by_flux(brep: Brep, radii: Array, *, level: Array | None = None, lines: int = 64, cells: int = 64) -> Array:
+    """Areas (mm**2) of the sections at many `radii` (mm) at once, to about four digits of the largest.
+
+    Each face is divided into small cells across which rho is taken to change evenly; what they add to the flux is a broken line
+    in R, and the broken lines are summed over sorted breaks. `level` (faces,) is the radius of faces that have one (else NaN).
+    """
+    radii = np.asarray(radii, dtype=float)
+    middle, width, flux = [], [], []
+    for i, face in enumerate(brep.faces):
+        p, n, change = surface_cells(face, lines=lines, cells=cells)
+        square = p[:, 0] ** 2 + p[:, 1] ** 2
+        flat = level is not None and np.isfinite(level[i])
+        middle.append(np.full(len(p), level[i]) if flat and level is not None else np.sqrt(square))
+        width.append(np.zeros(len(p)) if flat else change)
+        flux.append((n[:, 0] * p[:, 0] + n[:, 1] * p[:, 1]) / np.where(square > 0.0, square, 1.0))
+    rho, half = np.concatenate(middle), 0.5 * np.concatenate(width)
+    return radii * _sum_of_ramps(rho - half, rho + half, np.concatenate(flux), radii)
+
+
+def _sum_of_ramps(low: Array, high: Array, flux: Array, radii: Array) -> Array:
+    """Sum of functions that are `flux` below `low`, nil above `high` and straight in between, at every radius."""
+    step = high - low < 1e-7 * high
+    high = np.where(step, low, high)
+    by_low, by_high = np.argsort(low), np.argsort(high)
+    before = np.searchsorted(low[by_low], radii, side="right")
+    after = np.searchsorted(high[by_high], radii, side="right")
+    slope = np.where(step, 0.0, flux / np.where(step, 1.0, high - low))
+    offset = np.where(step, 0.0, slope * high)
+
+    def summed(values: Array, order: Array, count: Array) -> Array:
+        return np.concatenate([[0.0], np.cumsum(values[order])])[count]
+
+    straight = summed(offset, by_low, before) - summed(offset, by_high, after)
+    straight -= radii * (summed(slope, by_low, before) - summed(slope, by_high, after))
+    return float(flux.sum()) - summed(flux, by_low, before) + straight
 
 
 def volume_between(brep: Brep, inner: float, outer: float, *, panels: int = PANELS) -> tuple[float, float]:

@@ -42,11 +42,43 @@ def surface_nodes(face: Face, levels: tuple[float, ...] = (), *, panels: int = P
     return p, face.sign * share.reshape(-1, 1) * np.cross(su, sv)
 
 
+def surface_cells(face: Face, *, lines: int, cells: int) -> tuple[Array, Array, Array]:
+    """The face as small cells: (n, 3) their middles, (n, 3) n dS, (n,) by how much rho changes across each.
+
+    `lines` along u = const between two kinks, `cells` along each. The change is that of two even slopes together.
+    """
+    knots = _knots(face, ())
+    sides = np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, lines + 1)) ** 2
+    u = (knots[:-1, None] + np.diff(knots)[:, None] * 0.5 * (sides[:-1] + sides[1:])).ravel()
+    wide = (np.diff(knots)[:, None] * np.diff(sides)).ravel()
+    line, low, high = _at_breaks(face, *_inside(face, u))
+    if not len(line):
+        return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0)
+    v = low[:, None] + (high - low)[:, None] * (np.arange(cells) + 0.5) / cells
+    p, su, sv = face.surface.derivatives(np.stack([np.repeat(u[line], cells), v.ravel()], axis=1))
+    du, dv = np.repeat(wide[line], cells), np.repeat((high - low) / cells, cells)
+    out = p[:, :2] / np.maximum(radii_of(p), 1e-300)[:, None]
+    change = np.hypot((out * su[:, :2]).sum(axis=1) * du, (out * sv[:, :2]).sum(axis=1) * dv)
+    return p, face.sign * (du * dv)[:, None] * np.cross(su, sv), change
+
+
 def _lines(face: Face, levels: tuple[float, ...], panels: int) -> tuple[Array, Array]:
     """Gauss nodes in u and their weights, on panels between everything that makes the integrand kink.
 
     u = a + (b - a) sin(pi x / 2)**2 between two kinks takes away the square roots where a boundary turns back in u.
     """
+    knots = _knots(face, levels)
+    steps = np.linspace(0.0, 1.0, panels + 1)
+    x, w = np.polynomial.legendre.leggauss(PANEL_NODES)
+    x = (steps[:-1, None] + 0.5 / panels * (x + 1.0)).ravel()
+    w = np.tile(0.5 / panels * w, panels)
+    a, b = knots[:-1, None], knots[1:, None]
+    u = a + (b - a) * np.sin(0.5 * np.pi * x) ** 2
+    return u.ravel(), ((b - a) * 0.5 * np.pi * np.sin(np.pi * x) * w).ravel()
+
+
+def _knots(face: Face, levels: tuple[float, ...]) -> Array:
+    """u of everything that makes an integral along u kink: breaks, ends and turns of pcurves, where they meet a level."""
     low, high = face.box[:, 0]
     marks = [face.surface.breaks(face.box)[0]]
     for use in _uses(face):
@@ -55,14 +87,7 @@ def _lines(face: Face, levels: tuple[float, ...], panels: int) -> tuple[Array, A
         marks += [p[[0, -1], 0], _turns(use)]
         marks += [_crossings(face, use, radius) for radius in levels]
     knots = np.clip(np.concatenate(marks), low, high)
-    knots = low + np.unique(np.round((knots - low) / max(high - low, 1e-300), 9)) * (high - low)
-    steps = np.linspace(0.0, 1.0, panels + 1)
-    x, w = np.polynomial.legendre.leggauss(PANEL_NODES)
-    x = (steps[:-1, None] + 0.5 / panels * (x + 1.0)).ravel()
-    w = np.tile(0.5 / panels * w, panels)
-    a, b = knots[:-1, None], knots[1:, None]
-    u = a + (b - a) * np.sin(0.5 * np.pi * x) ** 2
-    return u.ravel(), ((b - a) * 0.5 * np.pi * np.sin(np.pi * x) * w).ravel()
+    return low + np.unique(np.round((knots - low) / max(high - low, 1e-300), 9)) * (high - low)
 
 
 def _uses(face: Face) -> list[EdgeUse]:
@@ -160,9 +185,15 @@ def _split(face: Face, u: Array, line: Array, low: Array, high: Array, radius: f
         return line, low, high
     share = np.linspace(0.0, 1.0, SEARCH)
     v = low[:, None] + (high - low)[:, None] * share
-    above = _radii(face, np.repeat(u[line], SEARCH), v.ravel()).reshape(v.shape) > radius
-    stretch, cell = np.nonzero(above[:, 1:] != above[:, :-1])
-    a, b, above_a = v[stretch, cell], v[stretch, cell + 1], above[stretch, cell]
+    gap = _radii(face, np.repeat(u[line], SEARCH), v.ravel()).reshape(v.shape) - radius
+    stretch, cell = np.nonzero((gap[:, 1:] > 0.0) != (gap[:, :-1] > 0.0))
+    a, b, above_a = v[stretch, cell], v[stretch, cell + 1], gap[stretch, cell] > 0.0
+    more, peak, side = _grazed(face, u[line], v, gap, radius)
+    # a peak that reaches through the level between two samples is met twice
+    stretch = np.concatenate([stretch, more, more])
+    h = (high - low)[more] / (SEARCH - 1)
+    a, b = np.concatenate([a, peak - h, peak]), np.concatenate([b, peak, peak + h])
+    above_a = np.concatenate([above_a, side, ~side])
     for _ in range(50):
         middle = 0.5 * (a + b)
         same = (_radii(face, u[line[stretch]], middle) > radius) == above_a
@@ -175,6 +206,22 @@ def _split(face: Face, u: Array, line: Array, low: Array, high: Array, radius: f
     end = np.concatenate([high, root])
     end = end[np.lexsort((end, np.concatenate([np.arange(len(line)), stretch])))]
     return line[number], begin, end
+
+
+def _grazed(face: Face, u: Array, v: Array, gap: Array, radius: float) -> tuple[Array, Array, Array]:
+    """(stretch, v, whether rho is above the level beside it) of extremes of rho that reach through the level unseen."""
+    middle = gap[:, 1:-1]
+    toward = np.where(middle > 0.0, 1.0, -1.0)
+    nearest = (toward * middle <= toward * gap[:, :-2]) & (toward * middle <= toward * gap[:, 2:])
+    stretch, k = np.nonzero(nearest & (toward * gap[:, :-2] > 0.0) & (toward * gap[:, 2:] > 0.0))
+    side, at, h = middle[stretch, k] > 0.0, v[stretch, k + 1], v[stretch, 1] - v[stretch, 0]
+    for _ in range(3):
+        before, here, after = (_radii(face, u[stretch], at + d) for d in (-h, 0.0 * h, h))
+        bend = before - 2.0 * here + after
+        move = np.where(bend != 0.0, 0.5 * (before - after) / np.where(bend != 0.0, bend, 1.0), 0.0)
+        at, h = at + h * np.clip(move, -1.0, 1.0), 0.1 * h
+    through = (_radii(face, u[stretch], at) > radius) != side
+    return stretch[through], at[through], side[through]
 
 
 def _radii(face: Face, u: Array, v: Array) -> Array:

@@ -1,0 +1,103 @@
+"""Is any layer wrong without saying so? 1,000 random radii a solid, and the critical radii with small steps to either side.
+
+Every certified area is judged by the surface integral: by the quick one, and where that differs by more than it is good for, by
+the exact one; some are judged by the exact one anyway.
+
+python -m tests.figures.certificates fixtures/step/*.step
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+import brep_slicer as bs
+from brep_slicer.errors import LayerError
+from brep_slicer.maps import Array
+from brep_slicer.section import CutSolid, cut_solids
+from brep_slicer.section.analytic import sections_by_analysis
+from brep_slicer.section.boolean import section_by_boolean
+from brep_slicer.testing import area_by_flux, areas_by_flux
+
+RANDOM, STEPS = 1000, (0.0, 1e-9, 1e-7, 1e-5, 1e-3)
+# the quick integral is good for this share of the solid's largest section; exact ones are asked for beyond it
+QUICK = 5e-4
+# radii within 1e-9 mm of a level count as that level; what lies just beyond it is what the section then is
+SNAPS = np.array([0.0, 1.001e-9, 2e-9])
+# fallbacks tried by boolean and areas judged by the exact integral in any case, a solid and kind of radius
+MOST_FALLBACKS, JUDGED = 20, 4
+
+
+def radii_of_solid(solid: CutSolid) -> dict[str, Array]:
+    """The radii to try, increasing, inside of the solid's range."""
+    low, high = solid.critical.lowest, solid.critical.highest
+    steps = np.array([s * x for s in (-1.0, 1.0) for x in STEPS[1:]] + [0.0])
+    near = np.unique(solid.critical.radii[:, None] + steps)
+    return {
+        "random": np.sort(np.random.default_rng(7).uniform(low, high, RANDOM)),
+        "critical": near[(near > max(low, 1e-3)) & (near < high)],
+    }
+
+
+def judge(solid: CutSolid, radii: Array) -> dict[str, float]:
+    """Counts of layers tried, certified, fallen back, failed and wrong; the largest differences in area."""
+    start = time.perf_counter()
+    found = sections_by_analysis(solid, radii)
+    took = (time.perf_counter() - start) / len(radii)
+    areas = np.array([np.nan if isinstance(s, LayerError) else sum(loop.signed_area() for loop in s[0]) for s in found])
+    lengths = np.array([np.nan if isinstance(s, LayerError) else sum(loop.length() for loop in s[0]) for s in found])
+    refused = np.flatnonzero(np.isnan(areas))
+    failed = sum(_fails(solid, float(radii[i])) for i in refused[:MOST_FALLBACKS])
+    quick = areas_by_flux(solid.brep, radii, level=solid.stretches.face_level)
+    scale = max(float(np.nanmax(quick)), 1e-12)
+    off = np.abs(areas - quick) / scale
+    whole = np.flatnonzero(np.isfinite(areas))
+    suspects = whole[off[whole] > QUICK]
+    chosen = np.union1d(suspects, np.random.default_rng(1).choice(whole, min(JUDGED, len(whole)), replace=False))
+    wrong, worst = [], 0.0
+    for i in chosen.astype(int):
+        differs = min(abs(area_by_flux(solid.brep, r) - areas[i]) for r in radii[i] + SNAPS)
+        # the faces' gaps along the outline are the file's, not the section's; so are the pcurves' deviations
+        allowed = 1e-6 * scale + 2.0 * float(solid.gaps.max()) * lengths[i]
+        worst = max(worst, differs / scale)
+        if differs > allowed:
+            wrong.append((float(radii[i]), float(areas[i]), differs))
+    for row in wrong:
+        print("    suspect: R {:.12g} area {:.9g} differs {:.3g}".format(*row), flush=True)
+    return {
+        "tried": len(radii),
+        "certified": len(whole),
+        "refused": len(refused),
+        "failed of the first": failed,
+        "suspects": len(wrong),
+        "quick": float(off[whole].max(initial=0.0)),
+        "exact": worst,
+        "ms": 1e3 * took,
+    }
+
+
+def _fails(solid: CutSolid, radius: float) -> bool:
+    try:
+        section_by_boolean(solid.wrapped, radius, critical=solid.critical.radii)
+    except LayerError:
+        return True
+    return False
+
+
+def main(names: list[str]) -> None:
+    for name in names:
+        part = bs.read_step(name)
+        for i, solid in enumerate(cut_solids(part, bs.find_axis(part))):
+            for kind, radii in radii_of_solid(solid).items():
+                if not len(radii):
+                    continue
+                row = judge(solid, radii)
+                figures = "  ".join(f"{k} {v:.3g}" if isinstance(v, float) else f"{k} {v}" for k, v in row.items())
+                print(f"{Path(name).stem}/{i} gap {solid.gaps.max():.1e} {kind}: {figures}", flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

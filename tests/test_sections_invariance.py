@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import brep_slicer as bs
@@ -63,11 +63,66 @@ def test_mirroring(solid, radii):
         assert areas(solid.mirror(plane), radii) == pytest.approx(areas(solid, radii), rel=1e-9)
 
 
-@pytest.mark.parametrize("factor", [1e-2, 0.5, 10.0, 1e3])
+@pytest.mark.parametrize("factor", [1e-3, 1e-2, 0.5, 10.0, 1e3])
 @pytest.mark.parametrize(("solid", "radii"), PARTS.values(), ids=PARTS)
 def test_scaling(solid, radii, factor):
     scaled = [a / factor**2 for a in areas(solid.scale(factor), [r * factor for r in radii])]
     assert scaled == pytest.approx(areas(solid, radii), rel=1e-7)
+
+
+@pytest.mark.parametrize(("solid", "radii"), PARTS.values(), ids=PARTS)
+@given(z=st.floats(-500, 500))
+@FEW
+def test_shifting_along_the_axis(solid, radii, z):
+    straight, moved = (bs.slice_part(s, list(radii), axis=Z) for s in (solid, solid.moved(bd.Location((0.0, 0.0, z)))))
+    for a, b in zip(straight, moved, strict=True):
+        assert b.area == pytest.approx(a.area, rel=1e-9)
+        assert b.region.first_moment == pytest.approx(a.region.first_moment + z * a.area, rel=1e-8, abs=1e-8 * a.area)
+
+
+@pytest.mark.parametrize(("solid", "radii"), PARTS.values(), ids=PARTS)
+@given(data=st.data())
+@FEW
+def test_the_order_of_the_faces(solid, radii, data):
+    shuffled = solid_of_faces(data.draw(st.permutations(list(solid.faces()))))
+    assert areas(shuffled, radii) == pytest.approx(areas(solid, radii), rel=1e-12)
+
+
+@pytest.mark.parametrize(("solid", "radii"), PARTS.values(), ids=PARTS)
+@given(tilt=st.floats(-0.4, 0.4), share=st.floats(0.1, 0.9))
+@settings(max_examples=5, deadline=None)
+def test_splitting_faces_in_two(solid, radii, tilt, share):
+    """A knife through the whole part cuts faces in two; the halves are joined again with all their faces kept."""
+    box = solid.bounding_box()
+    at = box.min + (box.max - box.min) * share
+    knife = bd.Plane(origin=(0.0, 0.0, at.Z), z_dir=(math.sin(tilt), 0.0, math.cos(tilt)))
+    both = [solid.split(knife, keep=keep) for keep in (bd.Keep.TOP, bd.Keep.BOTTOM)]
+    assume(all(half is not None for half in both))  # OCCT's own knife may give up on a B-spline
+    joined = fused_with_faces_kept(*both)
+    assert len(joined.faces()) > len(solid.faces())
+    assert areas(joined, radii) == pytest.approx(areas(solid, radii), rel=1e-8)
+
+
+def solid_of_faces(faces):
+    from OCP.BRep import BRep_Builder
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeSolid
+    from OCP.TopoDS import TopoDS_Shell
+
+    shell, builder = TopoDS_Shell(), BRep_Builder()
+    builder.MakeShell(shell)
+    for face in faces:
+        builder.Add(shell, face.wrapped)
+    shell.Closed(True)
+    return bd.Solid(BRepBuilderAPI_MakeSolid(shell).Solid())
+
+
+def fused_with_faces_kept(first, second):
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Fuse
+
+    shapes = [x.solids()[0].wrapped if hasattr(x, "solids") else x.wrapped for x in (first, second)]
+    made = BRepAlgoAPI_Fuse(*shapes)
+    (solid,) = bd.Compound(made.Shape()).solids()
+    return solid
 
 
 @pytest.mark.parametrize("name", ["keyed_band", "box_on_shaft", "cam", "helical_gear_tooth", "oblique_tube", "eccentric_disc"])

@@ -1,6 +1,6 @@
 """Error against time: the analytic engine, OCCT's boolean, and the method of the paper (a mesh, warped, cut by planes).
 
-The mesh: tessellated to a chordal deviation, edges halved until a straight edge bends by no more than that when warped, every
+The mesh: tessellated to a chordal deviation, triangles divided while a straight edge bends by more than that when warped, every
 vertex taken to (theta, z, rho) by Eq. 1 of the paper, then cut by planes rho = const. Its segments are timed, no polygons.
 
 python -m tests.figures.rivals [picture.png]
@@ -28,7 +28,7 @@ BOOLEAN_LAYERS, JUDGED_LAYERS = 4, 5
 ERRORS = (1e-2, 1e-3, 1e-4)
 # deviations tried, mm, until the outline's measured error is small enough; more triangles than this are not made
 DEVIATIONS = (0.02, 0.01, 0.005, 0.002, 0.001, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5)
-MOST_TRIANGLES = 6_000_000
+MOST_TRIANGLES = 4_000_000
 
 
 @dataclass(frozen=True)
@@ -56,17 +56,32 @@ def warped_mesh(solid: CutSolid, deviation: float):
 
     edge = np.sqrt(8.0 * solid.critical.highest * deviation)
     points, triangles = bd.Solid(solid.wrapped).tessellate(deviation, min(0.1, edge / solid.critical.highest))
-    vertices = np.array([tuple(p) for p in points])
-    if len(triangles) * 4.0 > MOST_TRIANGLES:
-        return None
-    vertices, faces = trimesh.remesh.subdivide_to_size(vertices, np.array(triangles), max_edge=edge, max_iter=14)
-    if len(faces) > MOST_TRIANGLES:
+    vertices, faces = np.array([tuple(p) for p in points]), np.array(triangles)
+    while len(faces) < MOST_TRIANGLES:
+        bent = _bends(vertices[faces], solid.critical.highest) > deviation
+        if not bent.any():
+            break
+        vertices, faces = trimesh.remesh.subdivide(vertices, faces, face_index=np.flatnonzero(bent))
+    if len(faces) >= MOST_TRIANGLES:
         return None
     corners = vertices[faces]
     theta = np.arctan2(corners[..., 1], corners[..., 0])
     theta = theta[:, :1] + np.remainder(theta - theta[:, :1] + np.pi, 2.0 * np.pi) - np.pi
     warped = np.stack([theta, corners[..., 2], np.hypot(corners[..., 0], corners[..., 1])], axis=-1)
     return trimesh.Trimesh(warped.reshape(-1, 3), np.arange(3 * len(faces)).reshape(-1, 3), process=False)
+
+
+def _bends(corners: Array, radius: float) -> Array:
+    """How far the warped middle of a triangle's edges lies from the middle of its warped edges, at most, mm (n,)."""
+    worst = np.zeros(len(corners))
+    for i in range(3):
+        a, b = corners[:, i], corners[:, (i + 1) % 3]
+        warped = [np.hypot(p[:, 0], p[:, 1]) for p in (a, b, 0.5 * (a + b))]
+        turn = [np.arctan2(p[:, 1], p[:, 0]) for p in (a, b, 0.5 * (a + b))]
+        apart = np.remainder(turn[1] - turn[0] + np.pi, 2.0 * np.pi) - np.pi
+        off = np.remainder(turn[2] - turn[0] - 0.5 * apart + np.pi, 2.0 * np.pi) - np.pi
+        worst = np.maximum(worst, np.hypot(warped[2] - 0.5 * (warped[0] + warped[1]), radius * off))
+    return worst
 
 
 def cut_mesh(mesh, radii: Array) -> list[Array]:

@@ -1,0 +1,89 @@
+"""Do both engines agree? 50 random radii a solid: areas, and how far apart the outlines lie; each disagreement is judged.
+
+python -m tests.figures.engines fixtures/step/*.step
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import shapely
+
+import brep_slicer as bs
+from brep_slicer.curves import Loop
+from brep_slicer.errors import LayerError
+from brep_slicer.maps import TURN
+from brep_slicer.section import CutSolid, cut_solids
+from brep_slicer.section.analytic import sections_by_analysis
+from brep_slicer.section.boolean import section_by_boolean
+from brep_slicer.testing import area_by_flux
+
+RADII, AWAY = 50, 1e-4
+SAME_AREA, SAME_OUTLINE = 1e-6, 1e-5
+
+
+def outlines_apart(first: list[Loop], second: list[Loop], radius: float) -> float:
+    """The farthest that points of either outline lie from the other, mm (across the seam too)."""
+    worst = 0.0
+    for one, other in ((first, second), (second, first)):
+        rings = [loop.shifted(k).sample(1e-7) for loop in other for k in (-1, 0, 1)]
+        lines = shapely.MultiLineString(rings)
+        shapely.prepare(lines)
+        points = np.concatenate([loop.sample(1e-3) for loop in one])
+        period = TURN * radius
+        points[:, 0] = np.remainder(points[:, 0] + 0.5 * period, period) - 0.5 * period
+        worst = max(worst, float(shapely.distance(lines, shapely.points(points)).max(initial=0.0)))
+    return worst
+
+
+def compare(solid: CutSolid) -> str:
+    """One line of figures for a solid; the disagreements are printed one by one."""
+    low, high = solid.critical.lowest, solid.critical.highest
+    radii = np.random.default_rng(11).uniform(low, high, 4 * RADII)
+    near = np.abs(radii[:, None] - solid.critical.radii).min(axis=1) < min(AWAY, 1e-3 * (high - low))
+    radii = np.sort(radii[~near][:RADII])
+    area, outline, agree, refused, failed = 0.0, 0.0, 0, 0, 0
+    for section, radius in zip(sections_by_analysis(solid, radii), radii.tolist(), strict=True):
+        try:
+            by_boolean, _ = section_by_boolean(solid.wrapped, radius, critical=solid.critical.radii)
+        except LayerError as error:
+            failed += 1
+            print(f"    R {radius:.9g}: boolean refuses: {error}", flush=True)
+            continue
+        if isinstance(section, LayerError):
+            refused += 1
+            continue
+        a, b = (sum(loop.signed_area() for loop in loops) for loops in (section[0], by_boolean))
+        off = abs(a - b) / max(abs(b), 1e-12)
+        apart = outlines_apart(list(section[0]), list(by_boolean), radius)
+        allowed = max(SAME_OUTLINE, 2.0 * float(solid.gaps.max()))
+        length = sum(loop.length() for loop in section[0])
+        if off <= max(SAME_AREA, allowed * length / max(a, 1e-12) * (solid.gaps.max() > SAME_OUTLINE)) and apart <= allowed:
+            agree += 1
+            area, outline = max(area, off), max(outline, apart)
+            continue
+        truth = area_by_flux(solid.brep, radius)
+        print(
+            f"    R {radius:.9g}: areas {a:.9g} and {b:.9g}, outlines {apart:.2e} mm apart, surface integral {truth:.9g}",
+            flush=True,
+        )
+    return (
+        f"{len(radii)} radii: {agree} agree (area {area:.1e}, outline {outline:.1e} mm), {refused} refused by analytic,"
+        f" {failed} by boolean"
+    )
+
+
+def main(names: list[str]) -> None:
+    import OCP
+
+    print(f"OCP {OCP.__version__}")
+    for name in names:
+        part = bs.read_step(name)
+        for i, solid in enumerate(cut_solids(part, bs.find_axis(part))):
+            print(f"{Path(name).stem}/{i} gap {solid.gaps.max():.1e}: {compare(solid)}", flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -12,7 +12,7 @@ import numpy as np
 
 from brep_slicer.maps import Array
 
-from .polynomials import bernstein, bezier_spans, breaks_between, projected, spans_of, wrapped
+from .polynomials import bernstein, bernstein_with_slope, bezier_spans, breaks_between, projected, spans_of, wrapped
 
 
 class EdgeCurve(abc.ABC):
@@ -90,6 +90,9 @@ class BSplineEdge(EdgeCurve):
         t = wrapped(np.asarray(t, dtype=np.float64), self._breaks, self.period)
         span, x, width = spans_of(self._breaks, t)
         local = self._coefficients[span]
+        if order == 1 and self.weights is None:
+            both = np.matmul(np.stack(bernstein_with_slope(x, self.degree), axis=1), local)
+            return [both[:, 0], both[:, 1] / width[:, None]]
         values = []
         for k in range(order + 1):
             value = np.einsum("ni,nid->nd", bernstein(x, self.degree, k), local)
@@ -98,3 +101,38 @@ class BSplineEdge(EdgeCurve):
 
     def breaks(self, first: float, last: float) -> Array:
         return breaks_between(self._breaks, self.period, first, last)
+
+
+class BSplinePack:
+    """Several polynomial B-splines of one degree, evaluated together: a point's curve is said by its number `which`."""
+
+    def __init__(self, curves: list[BSplineEdge]) -> None:
+        self.degree = curves[0].degree
+        spans = np.array([len(c._coefficients) for c in curves])
+        self.last = np.cumsum(spans) - 1
+        self.first = self.last - spans + 1
+        self.begin = np.concatenate([c._breaks[:-1] for c in curves])
+        self.width = np.concatenate([np.diff(c._breaks) for c in curves])
+        self.coefficients = np.concatenate([c._coefficients for c in curves])
+        self.low = np.array([c._breaks[0] for c in curves])
+        self.range = np.array([c._breaks[-1] - c._breaks[0] for c in curves])
+        # increasing over all curves: 2 for each curve before, and how far along its own the span begins
+        self.keys = 2.0 * np.repeat(np.arange(len(curves)), spans) + (self.begin - np.repeat(self.low, spans)) / np.repeat(
+            self.range, spans
+        )
+
+    @staticmethod
+    def takes(curve: EdgeCurve) -> bool:
+        """Whether a curve may be packed."""
+        return isinstance(curve, BSplineEdge) and curve.weights is None and not curve.period
+
+    def derivatives(self, which: Array, t: Array, order: int) -> list[Array]:
+        """[P, P'] as `EdgeCurve.derivatives` has them, `order` 0 or 1."""
+        key = 2.0 * which + np.clip((t - self.low[which]) / self.range[which], 0.0, 1.0)
+        span = np.clip(np.searchsorted(self.keys, key, side="right") - 1, self.first[which], self.last[which])
+        x, local = (t - self.begin[span]) / self.width[span], self.coefficients[span]
+        if order == 0:
+            return [np.einsum("ni,nid->nd", bernstein(x, self.degree, 0), local)]
+        values, slopes = bernstein_with_slope(x, self.degree)
+        both = np.matmul(np.stack([values, slopes], axis=1), local)
+        return [both[:, 0], both[:, 1] / self.width[span, None]]

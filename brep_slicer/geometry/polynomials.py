@@ -66,6 +66,21 @@ def bernstein(x: Array, degree: int, derivative: int) -> Array:
     return values
 
 
+def bernstein_with_slope(x: Array, degree: int) -> tuple[Array, Array]:
+    """The Bernstein polynomials of `degree` at x (n,) and their derivatives, each (n, degree + 1), for the price of one."""
+    if degree == 0:
+        return np.ones((len(x), 1)), np.zeros((len(x), 1))
+    lower = bernstein(x, degree - 1, 0)
+    slope, values = np.zeros((len(x), degree + 1)), np.zeros((len(x), degree + 1))
+    slope[:, 1:] = lower
+    slope[:, :-1] -= lower
+    slope *= degree
+    rising = x[:, None] * lower
+    values[:, 1:] = rising
+    values[:, :-1] += lower - rising
+    return values, slope
+
+
 @functools.cache
 def _binomials(degree: int) -> Array:
     row = [1.0]

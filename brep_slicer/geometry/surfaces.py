@@ -14,7 +14,7 @@ import numpy as np
 from brep_slicer.maps import TURN, Array
 
 from .edge_curves import EdgeCurve
-from .polynomials import bernstein, bezier_spans, breaks_between, projected, spans_of, wrapped
+from .polynomials import bernstein_with_slope, bezier_spans, breaks_between, projected, spans_of, wrapped
 
 
 class SurfaceKind(enum.Enum):
@@ -164,8 +164,8 @@ class BSplineSurface(Surface):
         sv, y, wv = spans_of(self._breaks[1], wrapped(uv[:, 1], self._breaks[1], self.period[1]))
         local = self._coefficients[su, sv]
         n, p1, q1, dim = local.shape
-        px, dx = bernstein(x, self.degrees[0], 0), bernstein(x, self.degrees[0], 1)
-        py, dy = bernstein(y, self.degrees[1], 0), bernstein(y, self.degrees[1], 1)
+        px, dx = bernstein_with_slope(x, self.degrees[0])
+        py, dy = bernstein_with_slope(y, self.degrees[1])
         flat = local.reshape(n, p1, q1 * dim)
         along = np.matmul(np.stack([px, dx], axis=1), flat).reshape(n, 2, q1, dim)
         s = np.matmul(py[:, None, :], along[:, 0])[:, 0]

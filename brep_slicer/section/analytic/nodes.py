@@ -8,6 +8,7 @@ Words: *node*, such a crossing; its identity is (stretch, layer), so the two fac
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,12 +16,15 @@ from numpy.typing import NDArray
 
 from brep_slicer.field import SNAP, EdgeStretches, radii_of
 from brep_slicer.geometry import Brep
-from brep_slicer.geometry.edge_curves import EdgeCurve, LineEdge
+from brep_slicer.geometry.edge_curves import BSplinePack, EdgeCurve, LineEdge
 from brep_slicer.maps import Array
 
 MOST_STEPS = 60
 # Relative rounding of a B-spline's point and of the sum of two squares, a few units in the last place.
 ROUNDING = 2e-15
+# A B-spline of high degree rounds more coarsely: below this share of R**2, a step that no longer helps is the last.
+STALLED = 1e-14
+Evaluate = Callable[[Array, int], list[Array]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -56,32 +60,56 @@ def find_nodes(brep: Brep, stretches: EdgeStretches, radii: Array) -> Nodes:
     edge = stretches.edge[stretch]
     t, points = np.empty(len(stretch)), np.empty((len(stretch), 3))
     first = np.searchsorted(edge, np.arange(len(brep.edges) + 1))
-    for number in np.unique(edge):
-        mine = slice(first[number], first[number + 1])
-        curve = brep.edges[number].curve
-        assert curve is not None
-        t[mine] = _crossings(curve, stretches.t[stretch[mine]], radii[layer[mine]])
-        points[mine] = curve.points(t[mine])
+    for curves, mine, which in _groups(brep, edge, first):
+        evaluate = _together(curves, which)
+        span, radius = stretches.t[stretch[mine]], radii[layer[mine]]
+        line = curves[0] if len(curves) == 1 and isinstance(curves[0], LineEdge) else None
+        t[mine] = _crossings(evaluate, span, radius) if line is None else _on_line(line, span, radius)
+        points[mine] = evaluate(t[mine], 0)[0]
     rising = stretches.rho[stretch, 1] > stretches.rho[stretch, 0]
     return Nodes(layer=layer, edge=edge, t=t, points=points, rising=rising, first=first)
 
 
-def _crossings(curve: EdgeCurve, span: Array, radius: Array) -> Array:
+def _groups(brep: Brep, edge: NDArray[np.int64], first: NDArray[np.int64]):
+    """(curves, their nodes, which of the curves each node is on): B-splines of one degree together, others one by one."""
+    packed: dict[int, list[int]] = {}
+    for number in np.unique(edge).tolist():
+        curve = brep.edges[number].curve
+        assert curve is not None
+        if BSplinePack.takes(curve):
+            packed.setdefault(curve.degree, []).append(number)  # type: ignore[attr-defined]
+        else:
+            mine = np.arange(first[number], first[number + 1])
+            yield [curve], mine, np.zeros(len(mine), dtype=np.int64)
+    for numbers in packed.values():
+        mine = np.concatenate([np.arange(first[n], first[n + 1]) for n in numbers])
+        which = np.repeat(np.arange(len(numbers)), [first[n + 1] - first[n] for n in numbers])
+        yield [brep.edges[n].curve for n in numbers], mine, which
+
+
+def _together(curves: list[EdgeCurve], which: NDArray[np.int64]) -> Evaluate:
+    """A function of (t, order) like `EdgeCurve.derivatives`, for nodes on several curves."""
+    if len(curves) == 1:
+        return curves[0].derivatives
+    pack = BSplinePack(curves)  # type: ignore[arg-type]
+    return lambda t, order: pack.derivatives(which, t, order)
+
+
+def _crossings(evaluate: Evaluate, span: Array, radius: Array) -> Array:
     """Solve rho(t) = radius on monotone stretches (n, 2), by Newton kept inside of a shrinking bracket.
 
     Where effective radii say that there is a crossing and the curve itself falls just short of it, the nearer end is taken.
     """
-    if isinstance(curve, LineEdge):
-        return _on_line(curve, span, radius)
     a, b = span[:, 0].copy(), span[:, 1].copy()
-    fa, fb = (_gap(curve, t, radius) for t in (a, b))
+    fa, fb = (radii_of(evaluate(t, 0)[0]) - radius for t in (a, b))
     short = fa * fb > 0.0
     nearer = np.where(np.abs(fa) < np.abs(fb), a, b)
     sign = np.where(fa < fb, 1.0, -1.0)
     share = np.clip(fa / np.where(fa == fb, 1.0, fa - fb), 0.0, 1.0)
     t = a + share * (b - a)
+    before = np.full(len(t), np.inf)
     for _ in range(MOST_STEPS):
-        p, d = curve.derivatives(t, 1)
+        p, d = evaluate(t, 1)
         f = (p[:, 0] ** 2 + p[:, 1] ** 2) - radius**2
         slope = 2.0 * (p[:, 0] * d[:, 0] + p[:, 1] * d[:, 1])
         below = sign * f < 0.0
@@ -91,17 +119,14 @@ def _crossings(curve: EdgeCurve, span: Array, radius: Array) -> Array:
         low, high = np.minimum(a, b), np.maximum(a, b)
         outside = ~((new >= low) & (new <= high))
         new = np.where(outside, 0.5 * (a + b), new)
-        # what is left is rounding: of rho**2, or of the parameter
-        exact = np.abs(f) <= ROUNDING * radius**2
+        # what is left is rounding: of rho**2, of the parameter, or of the curve's own sums, which no step makes smaller
+        size = np.abs(f)
+        exact = (size <= ROUNDING * radius**2) | ((size <= STALLED * radius**2) & (size >= 0.25 * before))
         done = exact | (np.abs(new - t) <= ROUNDING * np.maximum(np.abs(t), np.abs(span[:, 1] - span[:, 0])))
-        t = np.where(exact, t, new)
+        t, before = np.where(exact, t, new), size
         if (done | short).all():
             break
     return np.where(short, nearer, t)
-
-
-def _gap(curve: EdgeCurve, t: Array, radius: Array) -> Array:
-    return radii_of(curve.points(t)) - radius
 
 
 def _on_line(curve: LineEdge, span: Array, radius: Array) -> Array:

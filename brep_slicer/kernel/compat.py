@@ -89,3 +89,39 @@ def sub_shapes(shape: Any, kind: Any) -> list[Any]:
     found = indexed_map()
     TopExp.MapShapes_s(shape, kind, found)
     return [found.FindKey(i) for i in range(1, found.Extent() + 1)]
+
+
+def array_of_reals(values: Any) -> Any:
+    """OCCT's array of reals, from 1 on."""
+    try:
+        from OCP.TColStd import TColStd_Array1OfReal as Reals
+    except ImportError:
+        from OCP.collections import Array1_double as Reals
+    return _filled(Reals, [float(x) for x in values])
+
+
+def array_of_integers(values: Any) -> Any:
+    """OCCT's array of integers, from 1 on."""
+    try:
+        from OCP.TColStd import TColStd_Array1OfInteger as Integers
+    except ImportError:
+        from OCP.collections import Array1_int as Integers
+    return _filled(Integers, [int(x) for x in values])
+
+
+def array_of_points_2d(points: Any) -> Any:
+    """OCCT's array of points of the plane, from 1 on, of (n, 2) numbers."""
+    from OCP.gp import gp_Pnt2d
+
+    try:
+        from OCP.TColgp import TColgp_Array1OfPnt2d as Points
+    except ImportError:
+        from OCP.collections import Array1_gp_Pnt2d as Points
+    return _filled(Points, [gp_Pnt2d(float(x), float(y)) for x, y in points])
+
+
+def _filled(kind: Any, values: list[Any]) -> Any:
+    out = kind(1, len(values))
+    for i, value in enumerate(values, start=1):
+        out.SetValue(i, value)
+    return out

@@ -7,8 +7,10 @@ taken for an empty one.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from brep_slicer.section import Certificate
+from brep_slicer.substrate.axis import Axis
 
 from .region import Region
 
@@ -32,6 +34,20 @@ class Layer:
     def failed(self) -> bool:
         """False: see `FailedLayer`."""
         return False
+
+    def face(self, axis: Axis | None = None) -> Any:
+        """The section at the cut radius as an OCCT face on its exact cylinder, a compound if there are several.
+
+        In the axis frame, or in the file's frame if its `axis` is given. A full turn comes as two faces.
+
+        Raises
+        ------
+        LayerError
+            If the layer is empty, or OCCT has no valid face for a piece of it.
+        """
+        from .faces import shape_of_region
+
+        return shape_of_region(self.region.on_radius(self.cut_radius), axis)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

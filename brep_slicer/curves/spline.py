@@ -146,17 +146,38 @@ def spline_through_nodes(nodes: Array, breaks: Array, *, residual: float = 0.0, 
     return SplineCurve(coefficients=coefficients, breaks=breaks, residual=residual, face=face)
 
 
+def curves_through_nodes(nodes: Array, residual: Array, face: Array, tolerance: float) -> list[Curve]:
+    """One curve of a single span through each set of nodes (n, degree + 1, 2): a straight line where it is one.
+
+    As `spline_through_nodes` and `straightened` make them one by one; `residual` and `face` (n,).
+    """
+    coefficients = np.einsum("ij,mjk->mik", _bernstein_from_nodes(nodes.shape[1] - 1), nodes)
+    coefficients[:, 0], coefficients[:, -1] = nodes[:, 0], nodes[:, -1]
+    straight = _are_straight(coefficients, tolerance)
+    breaks = np.array([0.0, 1.0])
+    return [
+        LineCurve(p0=p[0], p1=p[-1], face=number)
+        if line
+        else SplineCurve(coefficients=p[None], breaks=breaks, residual=error, face=number)
+        for p, line, error, number in zip(coefficients, straight.tolist(), residual.tolist(), face.tolist(), strict=True)
+    ]
+
+
+def _are_straight(p: Array, tolerance: float) -> Array:
+    """Whether control points (n, m, 2) lie on their chord within `tolerance` (mm) and run forwards along it."""
+    along = p[:, -1] - p[:, 0]
+    size = np.hypot(along[:, 0], along[:, 1])
+    from_start = p - p[:, :1]
+    cross = along[:, None, 0] * from_start[..., 1] - along[:, None, 1] * from_start[..., 0]
+    off = np.abs(cross).max(axis=1) / np.maximum(size, 1e-300)
+    forwards = (np.diff(np.einsum("nmk,nk->nm", p, along), axis=1) >= -tolerance * size[:, None]).all(axis=1)
+    return (size > tolerance) & (off <= tolerance) & forwards
+
+
 def straightened(curve: SplineCurve, tolerance: float) -> Curve:
     """The straight line that a spline is, if its control points lie on one within `tolerance` (mm) and run forwards."""
-    p = curve.coefficients.reshape(-1, 2)
-    along = p[-1] - p[0]
-    size = float(np.hypot(*along))
-    if size <= tolerance:
-        return curve
-    off = np.abs(along[0] * (p[:, 1] - p[0, 1]) - along[1] * (p[:, 0] - p[0, 0])) / size
-    if off.max() > tolerance or (np.diff(p @ along) < -tolerance * size).any():
-        return curve
-    return LineCurve(p0=p[0], p1=p[-1], face=curve.face)
+    p = curve.coefficients.reshape(1, -1, 2)
+    return LineCurve(p0=p[0, 0], p1=p[0, -1], face=curve.face) if _are_straight(p, tolerance)[0] else curve
 
 
 def span_nodes(degree: int) -> Array:

@@ -5,11 +5,12 @@ In: the parameters that the kernel read. Out: points and derivatives, in the axi
 
 from .brep import Brep, Edge, EdgeUse, Face
 from .edge_curves import BSplineEdge, ConicEdge, EdgeCurve, LineEdge
-from .surfaces import BSplineSurface, ElementarySurface, Extrusion, Revolution, Surface, SurfaceKind
+from .surfaces import BSplineSurface, BSplineSurfacePack, ElementarySurface, Extrusion, Revolution, Surface, SurfaceKind
 
 __all__ = [
     "BSplineEdge",
     "BSplineSurface",
+    "BSplineSurfacePack",
     "Brep",
     "ConicEdge",
     "Edge",

@@ -12,7 +12,7 @@ import numpy as np
 
 from brep_slicer.maps import Array
 
-from .polynomials import bernstein, bernstein_with_slope, bezier_spans, breaks_between, projected, spans_of, wrapped
+from .polynomials import SpanTable, bernstein, bernstein_with_slope, bezier_spans, breaks_between, projected, spans_of, wrapped
 
 
 class EdgeCurve(abc.ABC):
@@ -108,18 +108,8 @@ class BSplinePack:
 
     def __init__(self, curves: list[BSplineEdge]) -> None:
         self.degree = curves[0].degree
-        spans = np.array([len(c._coefficients) for c in curves])
-        self.last = np.cumsum(spans) - 1
-        self.first = self.last - spans + 1
-        self.begin = np.concatenate([c._breaks[:-1] for c in curves])
-        self.width = np.concatenate([np.diff(c._breaks) for c in curves])
+        self.spans = SpanTable([c._breaks for c in curves])
         self.coefficients = np.concatenate([c._coefficients for c in curves])
-        self.low = np.array([c._breaks[0] for c in curves])
-        self.range = np.array([c._breaks[-1] - c._breaks[0] for c in curves])
-        # increasing over all curves: 2 for each curve before, and how far along its own the span begins
-        self.keys = 2.0 * np.repeat(np.arange(len(curves)), spans) + (self.begin - np.repeat(self.low, spans)) / np.repeat(
-            self.range, spans
-        )
 
     @staticmethod
     def takes(curve: EdgeCurve) -> bool:
@@ -128,11 +118,10 @@ class BSplinePack:
 
     def derivatives(self, which: Array, t: Array, order: int) -> list[Array]:
         """[P, P'] as `EdgeCurve.derivatives` has them, `order` 0 or 1."""
-        key = 2.0 * which + np.clip((t - self.low[which]) / self.range[which], 0.0, 1.0)
-        span = np.clip(np.searchsorted(self.keys, key, side="right") - 1, self.first[which], self.last[which])
-        x, local = (t - self.begin[span]) / self.width[span], self.coefficients[span]
+        span, x, width = self.spans.find(which, t)
+        local = self.coefficients[span]
         if order == 0:
             return [np.einsum("ni,nid->nd", bernstein(x, self.degree, 0), local)]
         values, slopes = bernstein_with_slope(x, self.degree)
         both = np.matmul(np.stack([values, slopes], axis=1), local)
-        return [both[:, 0], both[:, 1] / self.width[span, None]]
+        return [both[:, 0], both[:, 1] / width[:, None]]

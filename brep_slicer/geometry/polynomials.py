@@ -48,6 +48,29 @@ def spans_of(breaks: Array, x: Array) -> tuple[Array, Array, Array]:
     return span, (x - breaks[span]) / width, width
 
 
+class SpanTable:
+    """Spans of several B-splines together: for numbers `which` of splines and parameters x, the spans that hold them."""
+
+    def __init__(self, breaks: list[Array]) -> None:
+        self.count = np.array([len(b) - 1 for b in breaks])
+        self.last = np.cumsum(self.count) - 1
+        self.first = self.last - self.count + 1
+        self.begin = np.concatenate([b[:-1] for b in breaks])
+        self.width = np.concatenate([np.diff(b) for b in breaks])
+        self.low = np.array([b[0] for b in breaks])
+        self.range = np.array([b[-1] - b[0] for b in breaks])
+        # increasing over all splines: 2 for each spline before, and how far along its own the span begins
+        owner = np.repeat(np.arange(len(breaks)), self.count)
+        self.keys = 2.0 * owner + (self.begin - self.low[owner]) / self.range[owner]
+
+    def find(self, which: Array, x: Array) -> tuple[Array, Array, Array]:
+        """Number of the span among all, local coordinate, width."""
+        key = 2.0 * which + np.clip((x - self.low[which]) / self.range[which], 0.0, 1.0)
+        span = np.clip(np.searchsorted(self.keys, key, side="right") - 1, self.first[which], self.last[which])
+        width = self.width[span]
+        return span, (x - self.begin[span]) / width, width
+
+
 def bernstein(x: Array, degree: int, derivative: int) -> Array:
     """d^k/dx^k of the Bernstein polynomials of `degree` at x (n,), shape (n, degree + 1), k <= 2."""
     if derivative > degree:

@@ -14,7 +14,7 @@ import numpy as np
 from brep_slicer.maps import TURN, Array
 
 from .edge_curves import EdgeCurve
-from .polynomials import bernstein_with_slope, bezier_spans, breaks_between, projected, spans_of, wrapped
+from .polynomials import SpanTable, bernstein_with_slope, bezier_spans, breaks_between, projected, spans_of, wrapped
 
 
 class SurfaceKind(enum.Enum):
@@ -162,15 +162,7 @@ class BSplineSurface(Surface):
     def derivatives(self, uv: Array) -> tuple[Array, Array, Array]:
         su, x, wu = spans_of(self._breaks[0], wrapped(uv[:, 0], self._breaks[0], self.period[0]))
         sv, y, wv = spans_of(self._breaks[1], wrapped(uv[:, 1], self._breaks[1], self.period[1]))
-        local = self._coefficients[su, sv]
-        n, p1, q1, dim = local.shape
-        px, dx = bernstein_with_slope(x, self.degrees[0])
-        py, dy = bernstein_with_slope(y, self.degrees[1])
-        flat = local.reshape(n, p1, q1 * dim)
-        along = np.matmul(np.stack([px, dx], axis=1), flat).reshape(n, 2, q1, dim)
-        s = np.matmul(py[:, None, :], along[:, 0])[:, 0]
-        s_u = np.matmul(py[:, None, :], along[:, 1])[:, 0] / wu[:, None]
-        s_v = np.matmul(dy[:, None, :], along[:, 0])[:, 0] / wv[:, None]
+        s, s_u, s_v = _tensor(self._coefficients[su, sv], self.degrees, (x, y), (wu, wv))
         if self.weights is None:
             return s, s_u, s_v
         point, d_u = projected([s, s_u])
@@ -184,6 +176,41 @@ class BSplineSurface(Surface):
 
     def periods(self) -> tuple[float, float]:
         return self.period
+
+
+def _tensor(local: Array, degrees: tuple[int, int], at: tuple[Array, Array], widths: tuple[Array, Array]):
+    """S, S_u, S_v (n, dim) of Bezier patches `local` (n, p + 1, q + 1, dim) at local coordinates."""
+    n, p1, q1, dim = local.shape
+    px, dx = bernstein_with_slope(at[0], degrees[0])
+    py, dy = bernstein_with_slope(at[1], degrees[1])
+    along = np.matmul(np.stack([px, dx], axis=1), local.reshape(n, p1, q1 * dim)).reshape(n, 2, q1, dim)
+    s = np.matmul(py[:, None, :], along[:, 0])[:, 0]
+    s_u = np.matmul(py[:, None, :], along[:, 1])[:, 0] / widths[0][:, None]
+    s_v = np.matmul(dy[:, None, :], along[:, 0])[:, 0] / widths[1][:, None]
+    return s, s_u, s_v
+
+
+class BSplineSurfacePack:
+    """Several polynomial B-spline surfaces of the same degrees, evaluated together: which one is said by its number."""
+
+    def __init__(self, surfaces: list[BSplineSurface]) -> None:
+        self.degrees = surfaces[0].degrees
+        self.u, self.v = (SpanTable([s._breaks[k] for s in surfaces]) for k in (0, 1))
+        patches = self.u.count * self.v.count
+        self.first = np.cumsum(patches) - patches
+        self.coefficients = np.concatenate([s._coefficients.reshape(-1, *s._coefficients.shape[2:]) for s in surfaces])
+
+    @staticmethod
+    def takes(surface: Surface) -> bool:
+        """Whether a surface may be packed."""
+        return isinstance(surface, BSplineSurface) and surface.weights is None and not any(surface.period)
+
+    def derivatives(self, which: Array, uv: Array) -> tuple[Array, Array, Array]:
+        """S, S_u, S_v as `Surface.derivatives` has them."""
+        su, x, wu = self.u.find(which, uv[:, 0])
+        sv, y, wv = self.v.find(which, uv[:, 1])
+        patch = self.first[which] + (su - self.u.first[which]) * self.v.count[which] + (sv - self.v.first[which])
+        return _tensor(self.coefficients[patch], self.degrees, (x, y), (wu, wv))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

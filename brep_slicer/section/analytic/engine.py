@@ -20,7 +20,7 @@ from .closed_forms import FaceArcs, closed_form_of, loops_on_planes
 from .face_nodes import FaceNodes, nodes_on_face
 from .hot_edges import VERTEX_NODES, arcs_on_hot_edges, hot_layers
 from .nodes import Nodes, find_nodes
-from .traced_faces import arcs_on_traced_face
+from .traced_faces import TracedFace, arcs_on_traced_faces
 
 # Points of closed forms and of nodes are exact but for rounding, mm.
 ROUNDING = 1e-12
@@ -37,16 +37,22 @@ def sections_by_analysis(solid: CutSolid, radii: Array) -> list[tuple[list[Loop]
     nodes = find_nodes(brep, stretches, radii)
     hot = hot_layers(stretches.edge_level, radii)
     made: list[FaceArcs] = []
+    traced: list[TracedFace] = []
     for face in brep.faces:
         if np.isfinite(stretches.face_level[face.index]):
             continue
-        made += _arcs_on_face(solid, face, nodes_on_face(face, nodes), radii, hot)
-    return _assembled(solid, radii, nodes, made)
+        known, rest = _arcs_on_face(solid, face, nodes_on_face(face, nodes), radii, hot)
+        made += known
+        traced += rest
+    return _assembled(solid, radii, nodes, [*made, *arcs_on_traced_faces(traced, radii)])
 
 
-def _arcs_on_face(solid: CutSolid, face: Face, found: FaceNodes, radii: Array, hot: dict[int, list[int]]) -> list[FaceArcs]:
+def _arcs_on_face(
+    solid: CutSolid, face: Face, found: FaceNodes, radii: Array, hot: dict[int, list[int]]
+) -> tuple[list[FaceArcs], list[TracedFace]]:
+    """The arcs that are known in closed form, and the face with what is left to be traced, if anything is."""
     brep, stretches = solid.brep, solid.stretches
-    out = []
+    out: list[FaceArcs] = []
     busy = set(found.layer.tolist())
     if hot and len(found):
         arcs, free = arcs_on_hot_edges(brep, face, found, radii, hot)
@@ -58,13 +64,13 @@ def _arcs_on_face(solid: CutSolid, face: Face, found: FaceNodes, radii: Array, h
         if len(found):
             out.append(solve(face, found, radii))
         out.append(loops_on_planes(brep, face, radii, busy, stretches.edge_level, stretches.vertex_rho))
-        return out
+        return out, []
     stationary = solid.critical.inside[face.index]
     closed = len(face.loops) > 1 or len(stationary) > 0
-    if len(found) or closed:
-        sides = np.array([stretches.vertex_rho[brep.edges[loop[0].edge].vertices[0]] for loop in face.loops])
-        out.append(arcs_on_traced_face(face, found, radii, stationary, sides, closed=closed))
-    return out
+    if not len(found) and not closed:
+        return out, []
+    sides = np.array([stretches.vertex_rho[brep.edges[loop[0].edge].vertices[0]] for loop in face.loops])
+    return out, [TracedFace(face=face, found=found, stationary=stationary, sides=sides, closed=closed)]
 
 
 def _assembled(

@@ -1,6 +1,6 @@
 """Level curves without a closed form, traced as Bezier spans: all arcs of all layers on a face at once.
 
-In: a surface, pairs of parameters (u, v) that a level curve joins, radii. Out: spans through points that lie on the surface
+In: a ground, pairs of parameters (u, v) that a level curve joins, radii. Out: spans through points that lie on the surface
 and on the cylinder to 1e-10 mm, halved until the curve between them does too.
 
 Words: *span*, a stretch of a level curve, one Bezier curve in the plane; *chord line*, the straight line in (u, v) between a
@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from brep_slicer.curves.spline import bernstein_basis, span_nodes
-from brep_slicer.field import radii_of
 from brep_slicer.geometry import Surface
 from brep_slicer.maps import TURN, Array
+
+from .ground import Ground, Which, level_gap
 
 DEGREE = 7
 # Points of a level curve satisfy rho = R to this (mm), a hundred times the rounding of coordinates of a metre.
@@ -42,15 +43,14 @@ class Spans:
     failed: NDArray[np.int64]
 
 
-def trace_spans(surface: Surface, box: Array, arc: NDArray[np.int64], share: Array, uv: Array, radius: Array) -> Spans:
-    """Trace spans given by their ends `uv` (n, 2, 2) on the levels `radius` (n,).
+def trace_spans(ground: Ground, which: Which, arc: NDArray[np.int64], share: Array, uv: Array, radius: Array) -> Spans:
+    """Trace spans given by their ends `uv` (n, 2, 2) on the faces `which` (n,) of a ground and the levels `radius` (n,).
 
     `arc` and `share` say whose they are; spans that do not hold are halved.
     """
-    scale = _lengths(surface, box)
     uv = uv.copy()
     for k in (0, 1):
-        uv[:, k] = _onto_level(surface, uv[:, k], radius, scale)
+        uv[:, k] = _onto_level(ground, which, uv[:, k], radius)
     done: list[tuple] = []
     failed: set[int] = set()
     x, check = span_nodes(DEGREE), _between(span_nodes(DEGREE))
@@ -59,18 +59,18 @@ def trace_spans(surface: Surface, box: Array, arc: NDArray[np.int64], share: Arr
     for halving in range(MOST_HALVINGS + 1):
         if not len(arc):
             break
-        found, good = _across_chords(surface, uv, radius, inner, scale, box)
-        flat = _unrolled(surface, uv, found, radius, inner)
+        found, good = _across_chords(ground, which, uv, radius, inner)
+        flat = _unrolled(ground, which, uv, found, radius, inner)
         nodes = flat[:, np.concatenate([[0], 2 + np.arange(DEGREE - 1), [1]])]
         checked = flat[:, 2 + DEGREE - 1 :]
         error = np.hypot(*np.moveaxis(to_check @ nodes - checked, -1, 0)).max(axis=1)
         good &= error <= np.maximum(BETWEEN, 1e-13 * radius)
         done.append((arc[good], share[good], nodes[good], error[good], uv[good]))
-        arc, share, uv, radius, found = arc[~good], share[~good], uv[~good], radius[~good], found[~good]
+        which, arc, share, uv, radius = which[~good], arc[~good], share[~good], uv[~good], radius[~good]
         if halving == MOST_HALVINGS:
             failed |= set(arc.tolist())
             break
-        arc, share, uv, radius, lost = _halved(surface, arc, share, uv, radius, scale, box)
+        which, arc, share, uv, radius, lost = _halved(ground, which, arc, share, uv, radius)
         failed |= lost
     columns = [np.concatenate(c) for c in zip(*done, strict=True)] if done else [np.zeros(0, dtype=np.int64)] * 5
     return Spans(
@@ -87,54 +87,37 @@ def _between(x: Array) -> Array:
     return 0.5 * (x[:-1] + x[1:])
 
 
-def _lengths(surface: Surface, box: Array) -> Array:
-    """Mean lengths of S_u and S_v over the box: what a step in u or v is in mm."""
-    lines = [np.linspace(box[0, k], box[1, k], 5) for k in (0, 1)]
-    grid = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
-    _, su, sv = surface.derivatives(grid)
-    sizes = np.array([np.linalg.norm(su, axis=1).mean(), np.linalg.norm(sv, axis=1).mean()])
-    return np.maximum(sizes, 1e-12)
-
-
-def level_gap(surface: Surface, uv: Array, radius: Array) -> tuple[Array, Array, Array]:
-    """(rho - R, d rho / du, d rho / dv) at uv (n, 2)."""
-    p, su, sv = surface.derivatives(uv)
-    rho = radii_of(p)
-    safe = np.maximum(rho, 1e-300)
-    return rho - radius, (p[:, 0] * su[:, 0] + p[:, 1] * su[:, 1]) / safe, (p[:, 0] * sv[:, 0] + p[:, 1] * sv[:, 1]) / safe
-
-
-def _onto_level(surface: Surface, uv: Array, radius: Array, scale: Array) -> Array:
+def _onto_level(ground: Ground, which: Which, uv: Array, radius: Array) -> Array:
     """Ends brought onto the level along its gradient; those that cannot be (the level only touches there) stay."""
     start, best = uv, uv.copy()
+    scale = ground.scale[which]
     for _ in range(6):
-        gap, gu, gv = level_gap(surface, uv, radius)
-        gu, gv = gu / scale[0] ** 2, gv / scale[1] ** 2
-        size = gu * gu * scale[0] ** 2 + gv * gv * scale[1] ** 2
+        gap, gu, gv = ground.gap(which, uv, radius)
+        gu, gv = gu / scale[:, 0] ** 2, gv / scale[:, 1] ** 2
+        size = gu * gu * scale[:, 0] ** 2 + gv * gv * scale[:, 1] ** 2
         step = np.stack([gu, gv], axis=1) * (gap / np.maximum(size, 1e-30))[:, None]
         near = (np.abs((uv - step - start) * scale) <= 1e-2).all(axis=1)
         uv = np.where(near[:, None], uv - step, uv)
         if (np.abs(gap) <= ON_LEVEL).all():
             break
-    gap, _, _ = level_gap(surface, uv, radius)
+    gap, _, _ = ground.gap(which, uv, radius)
     good = np.abs(gap) <= 1e-9
     best[good] = uv[good]
     # this may overstep the face's box by the gap between edge and face: polynomials go on smoothly there
     return best
 
 
-def _across_chords(
-    surface: Surface, uv: Array, radius: Array, share: Array, scale: Array, box: Array
-) -> tuple[Array, NDArray[np.bool_]]:
+def _across_chords(ground: Ground, which: Which, uv: Array, radius: Array, share: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Points of the level curve across each span's chord line at the given shares, (n, k, 2), and which spans were found."""
     a, b = uv[:, 0], uv[:, 1]
+    scale, box = ground.scale[which], ground.box[which]
     along = (b - a) * scale
     size = np.hypot(along[:, 0], along[:, 1])
     across = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.maximum(size, 1e-300)[:, None] / scale
     base = a[:, None] + share[None, :, None] * (b - a)[:, None]
     n, k = base.shape[:2]
     flat, way = base.reshape(-1, 2), np.repeat(across, k, axis=0)
-    level = np.repeat(radius, k)
+    level, face = np.repeat(radius, k), np.repeat(which, k)
     # the offset may not exceed the span's own length: else the chord line has nothing to do with the curve
     limit = np.repeat(size, k) * 0.75 + 1e-9
     offset = np.zeros(len(flat))
@@ -144,7 +127,7 @@ def _across_chords(
         index = np.flatnonzero(active)
         if not len(index):
             break
-        gap, gu, gv = level_gap(surface, flat[index] + offset[index, None] * way[index], level[index])
+        gap, gu, gv = ground.gap(face[index], flat[index] + offset[index, None] * way[index], level[index])
         slope = gu * way[index, 0] + gv * way[index, 1]
         done = np.abs(gap) <= ON_LEVEL + 4e-15 * level[index]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -155,35 +138,41 @@ def _across_chords(
         offset[index] = np.where(lost, offset[index], new)
         active[index] = ~(done | lost)
     found = (flat + offset[:, None] * way).reshape(n, k, 2)
-    slack = 1e-3 * (box[1] - box[0]) + 2e-2 / scale
-    inside = ((found >= box[0] - slack) & (found <= box[1] + slack)).all(axis=(1, 2))
+    slack = 1e-3 * (box[:, 1] - box[:, 0]) + 2e-2 / scale
+    inside = ((found >= (box[:, 0] - slack)[:, None]) & (found <= (box[:, 1] + slack)[:, None])).all(axis=(1, 2))
     return found, converged.reshape(n, k).all(axis=1) & inside & (size > 0.0)
 
 
-def _unrolled(surface: Surface, uv: Array, found: Array, radius: Array, share: Array) -> Array:
+def _unrolled(ground: Ground, which: Which, uv: Array, found: Array, radius: Array, share: Array) -> Array:
     """(kappa, v) of both ends and of the found points, (n, 2 + k, 2), theta continuous along the span."""
     n, k = found.shape[:2]
-    points = surface.points(np.concatenate([uv, found], axis=1).reshape(-1, 2)).reshape(n, 2 + k, 3)
+    flat = np.concatenate([uv, found], axis=1).reshape(-1, 2)
+    points = ground.derivatives(np.repeat(which, 2 + k), flat)[0].reshape(n, 2 + k, 3)
     theta = np.arctan2(points[..., 1], points[..., 0])
     order = np.argsort(np.concatenate([[0.0, 1.0], share]), kind="stable")
     theta[:, order] = np.unwrap(theta[:, order], axis=1)
     return np.stack([theta * radius[:, None], points[..., 2]], axis=-1)
 
 
-def _halved(surface: Surface, arc, share: Array, uv: Array, radius: Array, scale: Array, box: Array):
+def _halved(ground: Ground, which: Which, arc, share: Array, uv: Array, radius: Array):
     """Every span cut in two: where it crosses a line between two patches of the surface, else in the middle."""
-    middle, good = _across_chords(surface, uv, radius, np.array([0.5]), scale, box)
-    cut, at = middle[:, 0], np.full(len(arc), 0.5)
-    for axis, breaks in enumerate(surface.breaks(box)):
-        _cut_at_breaks(surface, uv, radius, axis, breaks, cut, at, good)
+    middle, good = _across_chords(ground, which, uv, radius, np.array([0.5]))
+    cut, at = middle[:, 0].copy(), np.full(len(arc), 0.5)
+    for number in np.unique(which).tolist():
+        face, rows = ground.faces[number], np.flatnonzero(which == number)
+        mine = (cut[rows], at[rows], good[rows])
+        for axis, breaks in enumerate(face.surface.breaks(face.box)):
+            _cut_at_breaks(face.surface, uv[rows], radius[rows], axis, breaks, *mine)
+        cut[rows], at[rows], good[rows] = mine
     lost = set(arc[~good].tolist())
     keep = good & ~np.isin(arc, list(lost))
-    arc, share, uv, radius, cut, at = arc[keep], share[keep], uv[keep], radius[keep], cut[keep], at[keep]
+    which, arc, share, uv, radius, cut, at = (x[keep] for x in (which, arc, share, uv, radius, cut, at))
     half = share[:, 0] + at * (share[:, 1] - share[:, 0])
     first = np.stack([uv[:, 0], cut], axis=1)
     second = np.stack([cut, uv[:, 1]], axis=1)
     shares = np.concatenate([np.stack([share[:, 0], half], axis=1), np.stack([half, share[:, 1]], axis=1)])
-    return np.concatenate([arc, arc]), shares, np.concatenate([first, second]), np.concatenate([radius, radius]), lost
+    twice = (np.concatenate([x, x]) for x in (which, arc))
+    return *twice, shares, np.concatenate([first, second]), np.concatenate([radius, radius]), lost
 
 
 def _cut_at_breaks(surface: Surface, uv: Array, radius: Array, axis: int, breaks: Array, cut: Array, at: Array, good) -> None:
@@ -240,8 +229,9 @@ def arcs_of_spans(spans: Spans, radius: Array) -> dict[int, tuple[Array, Array, 
     begin = np.flatnonzero(fresh)
     end = np.append(begin[1:], len(arc))
     residual = spans.residual[order]
+    failed = set(spans.failed.tolist())
     return {
         int(arc[a]): (nodes[a:b], np.append(share[a:b, 0], share[b - 1, 1]), float(residual[a:b].max()))
         for a, b in zip(begin.tolist(), end.tolist(), strict=True)
-        if int(arc[a]) not in set(spans.failed.tolist())
+        if int(arc[a]) not in failed
     }

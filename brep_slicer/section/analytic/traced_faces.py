@@ -8,10 +8,14 @@ them in (u, v). Where there are more, or that fails, coarse level lines on a gri
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from brep_slicer.curves.spline import spline_through_nodes, straightened
+from brep_slicer.curves import Curve
+from brep_slicer.curves.spline import curves_through_nodes, spline_through_nodes, straightened
 from brep_slicer.field import SNAP, radii_of
 from brep_slicer.geometry import Face
 from brep_slicer.geometry.trimming import trimming_of
@@ -19,9 +23,10 @@ from brep_slicer.maps import Array
 
 from .closed_forms import FaceArcs
 from .face_nodes import FaceNodes, pair_along
+from .ground import Ground, grouped, level_gap
 from .guides import FaceGrid, between, grid_of_face, place_on_lines
 from .quadrics import closed_form_on_quadric
-from .traced import arcs_of_spans, level_gap, trace_spans
+from .traced import arcs_of_spans, trace_spans
 
 # A traced curve is a straight line when its control points lie on one to this (mm), the accuracy of the tracing.
 STRAIGHT = 1e-9
@@ -31,31 +36,50 @@ VERTICES_PER_SPAN = 6
 CELLS_AWAY = 2.0
 
 
-def arcs_on_traced_face(
-    face: Face, found: FaceNodes, radii: Array, stationary: Array, sides: Array, *, closed: bool
-) -> FaceArcs:
-    """All arcs of all layers; with `closed`, also level curves that meet no edge.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TracedFace:
+    """A `face` to be traced, the nodes `found` on it; `closed` if level curves may close on it without meeting an edge.
 
     `stationary` (n, 2) are the parameters of extremes and saddles of rho inside of the face, `sides` (loops,) the effective
     radius of one vertex of each of its loops.
     """
-    arcs = FaceArcs()
-    starts = np.bincount(found.layer[found.begins], minlength=len(radii))
-    ends = np.bincount(found.layer[~found.begins], minlength=len(radii))
-    for layer in np.flatnonzero(starts != ends).tolist():
-        arcs.failed[layer] = f"{starts[layer]} arcs begin and {ends[layer]} end on face {face.index}"
-    single = np.flatnonzero((starts == 1) & (ends == 1))
-    mine = np.flatnonzero(np.isin(found.layer, single))
-    rows = mine[np.argsort(found.layer[mine], kind="stable")]
-    first = rows[found.begins[rows]]
-    last = rows[~found.begins[rows]]
-    lost = _direct(face, found, radii, first, last, arcs)
-    guided = set(np.flatnonzero((starts == ends) & (starts > 1)).tolist()) | {int(found.layer[i]) for i in lost}
-    if guided or closed:
-        _guided(face, found, radii, sorted(guided), arcs, grid_of_face(face, stationary), closed=closed)
-    if closed:
-        _check_islands(face, found, radii, np.concatenate([sides, radii_of(face.surface.points(stationary))]), arcs)
-    return arcs
+
+    face: Face
+    found: FaceNodes
+    stationary: Array
+    sides: Array
+    closed: bool
+
+
+def arcs_on_traced_faces(traced: Sequence[TracedFace], radii: Array) -> list[FaceArcs]:
+    """All arcs of all layers on each face; single arcs are traced on all faces of one kind at once."""
+    out = [FaceArcs() for _ in traced]
+    guided: list[set[int]] = []
+    for one, arcs in zip(traced, out, strict=True):
+        starts, ends = _counts(one.found, len(radii))
+        for layer in np.flatnonzero(starts != ends).tolist():
+            arcs.failed[layer] = f"{starts[layer]} arcs begin and {ends[layer]} end on face {one.face.index}"
+        guided.append(set(np.flatnonzero((starts == ends) & (starts > 1)).tolist()))
+    for group in grouped([one.face for one in traced]):
+        lost = _direct([traced[i] for i in group], radii, [out[i] for i in group])
+        for i, layers in zip(group, lost, strict=True):
+            guided[i] |= layers
+    for one, arcs, layers in zip(traced, out, guided, strict=True):
+        if layers or one.closed:
+            grid = grid_of_face(one.face, one.stationary)
+            _guided(one.face, one.found, radii, sorted(layers), arcs, grid, closed=one.closed)
+        if one.closed:
+            peaks = radii_of(one.face.surface.points(one.stationary))
+            _check_islands(one.face, one.found, radii, np.concatenate([one.sides, peaks]), arcs)
+    return out
+
+
+def _counts(found: FaceNodes, layers: int) -> tuple[Array, Array]:
+    """How many arcs begin and end on a face, on each layer."""
+    return (
+        np.bincount(found.layer[found.begins], minlength=layers),
+        np.bincount(found.layer[~found.begins], minlength=layers),
+    )
 
 
 def _check_islands(face: Face, found: FaceNodes, radii: Array, marks: Array, arcs: FaceArcs) -> None:
@@ -70,20 +94,58 @@ def _check_islands(face: Face, found: FaceNodes, radii: Array, marks: Array, arc
             arcs.failed[layer] = f"face {face.index} lies on both sides of the layer, and no curve between them was found"
 
 
-def _direct(face: Face, found: FaceNodes, radii: Array, first: NDArray[np.int64], last: NDArray[np.int64], arcs: FaceArcs):
-    """Trace from start to end straight away; returns the rows of starts that could not be."""
-    if not len(first):
-        return []
-    uv = np.stack([found.uv[first], found.uv[last]], axis=1)
-    radius = radii[found.layer[first]]
+def _direct(traced: Sequence[TracedFace], radii: Array, arcs: Sequence[FaceArcs]) -> list[set[int]]:
+    """Trace from start to end where a layer has one arc on a face; returns the layers where that fails, by faces."""
+    starts, ends, which = [], [], []
+    for number, one in enumerate(traced):
+        first, last = _single(one.found, len(radii))
+        starts.append(first)
+        ends.append(last)
+        which.append(np.full(len(first), number))
+    face = np.concatenate(which)
+    if not len(face):
+        return [set() for _ in traced]
+
+    def gathered(name: str, rows: list[Array]) -> Array:
+        return np.concatenate([getattr(one.found, name)[r] for one, r in zip(traced, rows, strict=True)])
+
+    uv = np.stack([gathered("uv", starts), gathered("uv", ends)], axis=1)
+    layer, node = gathered("layer", starts), (gathered("node", starts), gathered("node", ends))
     good = np.isfinite(uv).all(axis=(1, 2))
-    arc = np.arange(len(first))
-    spans = trace_spans(face.surface, face.box, arc[good], np.tile([0.0, 1.0], (int(good.sum()), 1)), uv[good], radius[good])
-    made = arcs_of_spans(spans, radius)
-    for k, traced in made.items():
-        layer = int(found.layer[first[k]])
-        _add(face, arcs, traced, float(radii[layer]), layer, int(found.node[first[k]]), int(found.node[last[k]]))
-    return [int(first[k]) for k in arc.tolist() if k not in made]
+    arc, radius = np.arange(len(face)), radii[layer]
+    ground = Ground([one.face for one in traced])
+    whole = np.tile([0.0, 1.0], (int(good.sum()), 1))
+    made = arcs_of_spans(trace_spans(ground, face[good], arc[good], whole, uv[good], radius[good]), radius)
+    curves = _curves(made, np.array([one.face.index for one in traced])[face])
+    for k, curve in curves.items():
+        one, mine = traced[face[k]], arcs[face[k]]
+        mine.add(closed_form_on_quadric(one.face, curve, float(radius[k])), int(layer[k]), int(node[0][k]), int(node[1][k]))
+        mine.residual[int(layer[k])] = max(mine.residual.get(int(layer[k]), 0.0), made[k][2])
+    missed = np.setdiff1d(arc, np.array(list(curves), dtype=np.int64))
+    return [set(layer[missed[face[missed] == number]].tolist()) for number in range(len(traced))]
+
+
+def _single(found: FaceNodes, layers: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Rows of the start and of the end on each layer that has one of each."""
+    starts, ends = _counts(found, layers)
+    mine = np.flatnonzero(np.isin(found.layer, np.flatnonzero((starts == 1) & (ends == 1))))
+    rows = mine[np.argsort(found.layer[mine], kind="stable")]
+    return rows[found.begins[rows]], rows[~found.begins[rows]]
+
+
+def _curves(made: dict[int, tuple[Array, Array, float]], face: NDArray[np.int64]) -> dict[int, Curve]:
+    """A curve for each traced arc; arcs of a single span, most of them, all at once."""
+    single = [k for k, (nodes, _, _) in made.items() if len(nodes) == 1]
+    out: dict[int, Curve] = {}
+    if single:
+        nodes = np.stack([made[k][0][0] for k in single])
+        residuals = np.array([made[k][2] for k in single])
+        out = dict(zip(single, curves_through_nodes(nodes, residuals, face[single], STRAIGHT), strict=True))
+    for k, (nodes, breaks, residual) in made.items():
+        if len(nodes) > 1:
+            spline = spline_through_nodes(nodes, breaks, residual=residual, face=int(face[k]))
+            out[k] = straightened(spline, STRAIGHT)
+    return out
 
 
 def _add(
@@ -202,8 +264,9 @@ def _trace_plans(face: Face, grid: FaceGrid, plans, radius: float, layer: int, h
     if not arc:
         return True
     radius_of = np.full(len(plans), radius)
+    one = np.zeros(len(arc), dtype=np.int64)
     spans = trace_spans(
-        face.surface, face.box, np.array(arc), np.concatenate(share), np.concatenate(uv), np.full(len(arc), radius)
+        Ground([face]), one, np.array(arc), np.concatenate(share), np.concatenate(uv), np.full(len(arc), radius)
     )
     made = arcs_of_spans(spans, radius_of)
     if len(made) != len(plans):
@@ -226,7 +289,8 @@ def _trace_closed(face: Face, grid: FaceGrid, line: Array, radius: float, layer:
     steps = np.linspace(0.0, 1.0, len(chain))
     share, uv = np.stack([steps[:-1], steps[1:]], axis=1), np.stack([chain[:-1], chain[1:]], axis=1)
     count = len(chain) - 1
-    spans = trace_spans(face.surface, face.box, np.zeros(count, dtype=np.int64), share, uv, np.full(count, radius))
+    one = np.zeros(count, dtype=np.int64)
+    spans = trace_spans(Ground([face]), one, one, share, uv, np.full(count, radius))
     made = arcs_of_spans(spans, np.array([radius]))
     if 0 not in made:
         arcs.failed[layer] = reason

@@ -1,0 +1,69 @@
+"""What level curves are traced on: one face's surface, or several of one kind together.
+
+In: faces. Out: Grounds, which evaluate points on any of their faces at once; a point's face is said by its number `which`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from brep_slicer.field import radii_of
+from brep_slicer.geometry import BSplineSurface, BSplineSurfacePack, Face, Surface
+from brep_slicer.maps import Array
+
+Which = NDArray[np.int64]
+
+
+class Ground:
+    """`faces` that are traced on together; `scale` (faces, 2) is what a step in u or v is in mm, `box` (faces, 2, 2)."""
+
+    def __init__(self, faces: Sequence[Face]) -> None:
+        self.faces = tuple(faces)
+        self.box = np.array([face.box for face in faces])
+        self.scale = np.array([_lengths(face.surface, face.box) for face in faces])
+        self.derivatives: Callable[[Which, Array], tuple[Array, Array, Array]]
+        if len(faces) == 1:
+            self.derivatives = lambda which, uv: faces[0].surface.derivatives(uv)
+        else:
+            self.derivatives = BSplineSurfacePack([f.surface for f in faces]).derivatives  # type: ignore[misc]
+
+    def gap(self, which: Which, uv: Array, radius: Array) -> tuple[Array, Array, Array]:
+        """(rho - R, d rho / du, d rho / dv) at uv (n, 2)."""
+        return _gap(self.derivatives(which, uv), radius)
+
+
+def level_gap(surface: Surface, uv: Array, radius: Array) -> tuple[Array, Array, Array]:
+    """(rho - R, d rho / du, d rho / dv) at uv (n, 2) of one surface."""
+    return _gap(surface.derivatives(uv), radius)
+
+
+def _gap(found: tuple[Array, Array, Array], radius: Array) -> tuple[Array, Array, Array]:
+    p, su, sv = found
+    rho = radii_of(p)
+    safe = np.maximum(rho, 1e-300)
+    return rho - radius, (p[:, 0] * su[:, 0] + p[:, 1] * su[:, 1]) / safe, (p[:, 0] * sv[:, 0] + p[:, 1] * sv[:, 1]) / safe
+
+
+def _lengths(surface: Surface, box: Array) -> Array:
+    """Mean lengths of S_u and S_v over the box: what a step in u or v is in mm."""
+    lines = [np.linspace(box[0, k], box[1, k], 5) for k in (0, 1)]
+    grid = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
+    _, su, sv = surface.derivatives(grid)
+    sizes = np.array([np.linalg.norm(su, axis=1).mean(), np.linalg.norm(sv, axis=1).mean()])
+    return np.maximum(sizes, 1e-12)
+
+
+def grouped(faces: Sequence[Face]) -> list[list[int]]:
+    """Numbers of the faces that can be traced on together, by groups."""
+    alone: list[list[int]] = []
+    together: dict[tuple[int, int], list[int]] = {}
+    for number, face in enumerate(faces):
+        surface = face.surface
+        if isinstance(surface, BSplineSurface) and BSplineSurfacePack.takes(surface):
+            together.setdefault(surface.degrees, []).append(number)
+        else:
+            alone.append([number])
+    return [*together.values(), *alone]

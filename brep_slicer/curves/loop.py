@@ -8,13 +8,14 @@ universal cover, a whole number of turns apart; *jog*, the gap between one curve
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from brep_slicer.maps import TURN, Array
 
 from .base import Curve
+from .line import LineCurve
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -27,6 +28,7 @@ class Loop:
     curves: tuple[Curve, ...]
     radius: float
     winding: int = 0
+    _moments: dict[int, float] = field(init=False, repr=False, default_factory=dict)
 
     @property
     def period(self) -> float:
@@ -39,13 +41,16 @@ class Loop:
 
     def moment(self, power: int) -> float:
         """Integral of v**power dkappa once round, in mm**(power + 1); jogs are closed by straight segments."""
-        ends, starts = self._joints()
-        bridges = (
-            (starts[:, 0] - ends[:, 0])
-            * sum(ends[:, 1] ** i * starts[:, 1] ** (power - i) for i in range(power + 1))
-            / (power + 1)
-        )
-        return sum(curve.moment(power) for curve in self.curves) + float(np.sum(bridges))
+        if power not in self._moments:
+            ends, following = self._joints()
+            lines = np.array([isinstance(curve, LineCurve) for curve in self.curves])
+            starts = np.concatenate([following[-1:], following[:-1]])
+            starts[0, 0] -= self.winding * self.period
+            a, b = np.concatenate([ends, starts[lines]]), np.concatenate([following, ends[lines]])
+            mean = sum(a[:, 1] ** i * b[:, 1] ** (power - i) for i in range(power + 1)) / (power + 1)
+            curved = sum(curve.moment(power) for curve in self.curves if not isinstance(curve, LineCurve))
+            self._moments[power] = curved + float(np.sum((b[:, 0] - a[:, 0]) * mean))
+        return self._moments[power]
 
     def length(self) -> float:
         """Length in mm."""
@@ -60,13 +65,15 @@ class Loop:
         """Each curve's end, and the start of the one that follows it, (n, 2)."""
         starts = np.array([curve.start for curve in self.curves])
         ends = np.array([curve.end for curve in self.curves])
-        following = np.roll(starts, -1, axis=0)
+        following = np.concatenate([starts[1:], starts[:1]])
         following[-1, 0] += self.winding * self.period
         return ends, following
 
     def bounds(self) -> tuple[float, float, float, float]:
         """(kappa_min, v_min, kappa_max, v_max) in mm."""
-        boxes = np.array([curve.bounds() for curve in self.curves])
+        ends = np.concatenate(self._joints())
+        curved = [curve.bounds() for curve in self.curves if not isinstance(curve, LineCurve)]
+        boxes = np.array([(*ends.min(axis=0), *ends.max(axis=0)), *curved])
         return (*boxes[:, :2].min(axis=0).tolist(), *boxes[:, 2:].max(axis=0).tolist())
 
     def sample(self, chord: float) -> Array:

@@ -150,8 +150,8 @@ def region_from_loops(radius: float, loops: Iterable[Loop]) -> Region:
     outers = [_centred(loop) for loop, area in zip(flat, areas, strict=True) if area > 0.0]
     holes = [loop for loop, area in zip(flat, areas, strict=True) if area <= 0.0]
     bands = _paired_bands([loop for loop in loops if loop.winding != 0])
-    shapes = [_nesting_polygon(loop) for loop in outers]
-    order = sorted(range(len(outers)), key=lambda i: shapes[i].area)
+    shapes = [_nesting_polygon(loop) for loop in outers] if holes else []
+    order = sorted(range(len(shapes)), key=lambda i: shapes[i].area)
     found: dict[int, list[Loop]] = {}
     for hole in holes:
         probe = shapely.Point(hole.curves[0].points(np.array([0.5]))[0])

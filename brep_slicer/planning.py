@@ -19,6 +19,8 @@ from brep_slicer.fill import (
     Pattern,
     PatternSequence,
     Rings,
+    Skeleton,
+    Spiral,
     Zigzag,
     fill_region,
 )
@@ -194,11 +196,16 @@ def pattern_of(process: Process, layer: int) -> Pattern:
             InnerPattern.HATCH: Hatch(angle=angle, both_ways=process.both_ways),
             InnerPattern.ZIGZAG: Zigzag(angle=angle),
             InnerPattern.FLANK: FlankFollowing(both_ways=process.both_ways),
+            InnerPattern.CONTOURS: PatternSequence(patterns=(Contours(count=None), Skeleton())),
+            InnerPattern.SPIRAL: PatternSequence(patterns=(Spiral(), Skeleton())),
+            InnerPattern.SKELETON: Skeleton(),
             InnerPattern.RINGS: Rings(),
             InnerPattern.HELIX: Helix(),
         }
         patterns.append(inner[process.pattern])
-    return patterns[0] if len(patterns) == 1 else PatternSequence(patterns=tuple(patterns))
+    if len(patterns) == 1:
+        return patterns[0]
+    return PatternSequence(patterns=tuple(patterns), overlap=process.value("overlap"))
 
 
 def fill_layer(layer: Layer | FailedLayer, process: Process) -> LayerFill:

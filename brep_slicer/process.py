@@ -38,8 +38,26 @@ class InnerPattern(enum.Enum):
     HATCH = "hatch"
     ZIGZAG = "zigzag"
     FLANK = "flank"
+    CONTOURS = "contours"
+    SPIRAL = "spiral"
+    SKELETON = "skeleton"
     RINGS = "rings"
     HELIX = "helix"
+
+
+class Fit(enum.Enum):
+    """Where the centre of the outermost bead runs: half a bead inside of the outline, on it, or half a bead outside."""
+
+    IN = "in"
+    ON = "on"
+    OUT = "out"
+
+
+class Order(enum.Enum):
+    """In which order the beads of a layer are laid: as the pattern has them, or so that travels are short."""
+
+    PATTERN = "pattern"
+    SHORTEST = "shortest"
 
 
 class CutAt(enum.Enum):
@@ -62,11 +80,19 @@ class Process:
     bead_width : float, optional
         w; 1.44 d if not given (the paper's 4.9 / 3.4).
     pattern : InnerPattern
-        What fills the inside: hatch, zigzag (continuous), flank (along the piece's long edges), rings or helix (full turns).
+        What fills the inside: hatch, zigzag (continuous), flank (along the piece's long edges), contours (as many as fit),
+        spiral, skeleton (one bead along the middle), rings or helix (full turns). Contours and spirals are followed by
+        skeleton beads where they leave the metal bare.
     hatch_angles : sequence of float
         Angle of layer i is hatch_angles[i modulo their number], plus i * hatch_angle_step; counter-clockwise from +kappa.
     inset : float, optional
-        Distance of the outermost bead centres from the outline; half a bead width if not given.
+        Distance of the outermost bead centres from the outline (outwards if negative); by `fit` if not given.
+    fit : Fit
+        Outermost bead centres half a bead inside of the outline, on it, or half a bead outside.
+    overlap : float, optional
+        How much farther than a step-over from the last contour's centre hatch lines reach; 2 d - w (0 at least) if not given.
+    order : Order
+        Beads in the pattern's order, or in one that shortens travels.
     cut_at : CutAt
         Cut at the layer's lower radius R_i, or at mid-thickness.
 
@@ -81,6 +107,9 @@ class Process:
     radii: tuple[float, ...] | None = None
     bead_width: float | None = None
     inset: float | None = None
+    fit: Fit = Fit.IN
+    overlap: float | None = None
+    order: Order = Order.PATTERN
     contours: int = 0
     hatch: bool = True
     pattern: InnerPattern = InnerPattern.HATCH
@@ -112,7 +141,9 @@ class Process:
             value = getattr(self, name)
             if value is not None:
                 object.__setattr__(self, name, _positive(name, value))
-        for name in ("inset", "shortest_bead", "hop_length"):
+        if self.inset is not None:
+            object.__setattr__(self, "inset", _finite("inset", self.inset))
+        for name in ("overlap", "shortest_bead", "hop_length"):
             value = getattr(self, name)
             if value is not None and not (_finite(name, value) >= 0.0):
                 raise InputError(f"{name} is {value:g} mm; it must be zero or more")
@@ -126,6 +157,23 @@ class Process:
         if not angles:
             raise InputError("hatch_angles is an empty list; give one angle at least")
         object.__setattr__(self, "hatch_angles", angles)
+        if self.catchment is not None and self.catchment > 1.0:
+            raise InputError(
+                f"the beads need {self.catchment:.4g} times the powder that is fed (t d speed density / feed may be 1 at most);"
+                " feed more, or deposit slower or thinner"
+            )
+
+    @property
+    def catchment(self) -> float | None:
+        """eta = t d speed density / powder feed: the share of the powder that becomes metal; None without feed and density.
+
+        The metal balance of the paper (its Table 3 gives 0.86 with 7.99 g/cm**3); of the thickest layer if they differ.
+        """
+        if self.powder_feed_g_s is None or self.powder_density_g_cm3 is None:
+            return None
+        t = max(self.layer_thickness) if isinstance(self.layer_thickness, tuple) else self.layer_thickness
+        mm3_per_s = t * self.step_over * float(self.value("deposition_speed_mm_s"))
+        return mm3_per_s * 1e-3 * self.powder_density_g_cm3 / self.powder_feed_g_s
 
     @property
     def width(self) -> float:
@@ -142,7 +190,8 @@ class Process:
         first = self.layer_thickness[0] if isinstance(self.layer_thickness, tuple) else self.layer_thickness
         return {
             "bead_width": WIDTH_PER_STEP_OVER * self.step_over,
-            "inset": 0.5 * self.width,
+            "inset": {Fit.IN: 0.5, Fit.ON: 0.0, Fit.OUT: -0.5}[self.fit] * self.width,
+            "overlap": max(0.0, 2.0 * self.step_over - self.width),
             "shortest_bead": 0.0,
             "deposition_speed_mm_s": DEPOSITION_SPEED_MM_S,
             "travel_speed_mm_s": 50.0,
@@ -256,7 +305,13 @@ def _toml_names() -> list[str]:
 
 
 def _from_plain(name: str, value: Any, source: str) -> Any:
-    enums: dict[str, type[enum.Enum]] = {"last_layer": LastLayer, "cut_at": CutAt, "pattern": InnerPattern}
+    enums: dict[str, type[enum.Enum]] = {
+        "last_layer": LastLayer,
+        "cut_at": CutAt,
+        "pattern": InnerPattern,
+        "fit": Fit,
+        "order": Order,
+    }
     if name in enums:
         try:
             return enums[name](value)

@@ -147,11 +147,20 @@ def test_contours_then_hatch_keep_apart():
     assert gaps.min() >= 0.5 * W + D - 1e-9
 
 
-def test_a_piece_without_a_bead_is_said():
+def test_a_piece_narrower_than_a_bead_gets_one_along_its_skeleton_and_that_is_said():
     narrow = region_from_loops(R, [rectangle(0.0, 0.0, 4.0, 30.0)])
     fill = fill_region(narrow, Hatch(angle=0.0), **ARGS)
+    (bead,) = fill.beads
+    assert bead.kind.value == "skeleton"
+    assert np.allclose(bead.points[:, 0], 2.0)
+    assert "too narrow for a bead 2.45 mm inside of its outline: one bead along its skeleton" in fill.notes[0]
+
+
+def test_a_piece_without_a_bead_is_said():
+    tiny = region_from_loops(R, [rectangle(0.0, 0.0, 3.0, 4.0)])
+    fill = fill_region(tiny, Hatch(angle=0.0), **ARGS)
     assert not fill.beads
-    assert "too narrow for a bead" in fill.notes[0]
+    assert "left bare" in fill.notes[0]
 
 
 @given(st.floats(2.45 * D, 40.0))
@@ -164,5 +173,5 @@ def test_a_wide_piece_gets_two_beads_at_least(width):
 def test_short_beads_are_counted():
     region = region_from_loops(R, [rectangle(0.0, 0.0, 6.0, 30.0)])
     fill = fill_region(region, Hatch(angle=0.0), **ARGS, shortest_bead=2.0)
-    assert not fill.beads
+    assert [b.kind.value for b in fill.beads] == ["skeleton"]
     assert "beads shorter than 2 mm left out" in fill.notes[0]

@@ -9,6 +9,8 @@ from .contours import Contours
 from .flank import FlankFollowing, flank_direction
 from .hatch import Hatch
 from .pattern import Cell, CellFill, Pattern, PatternSequence, fill_region
+from .skeleton import Skeleton
+from .spiral import Spiral
 from .zigzag import Zigzag
 
 __all__ = [
@@ -24,6 +26,8 @@ __all__ = [
     "Pattern",
     "PatternSequence",
     "Rings",
+    "Skeleton",
+    "Spiral",
     "Zigzag",
     "fill_region",
     "flank_direction",

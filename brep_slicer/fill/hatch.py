@@ -87,7 +87,8 @@ def _sharp_ends(cell: Cell, inset: Inset, lines: list[tuple[Array, bool]], angle
     """Both ends of every bead that has ends, slid outwards to exactly the inset."""
     points = np.array([p for p, _ in lines])
     open_ones = np.array([not closed for _, closed in lines])
-    if not open_ones.any():
+    # on or outside of the outline, the polygon's own ends are near enough: inside of it by its slack at most
+    if not open_ones.any() or cell.inset <= 0.0:
         return points
     along, _ = directions(angle)
     outline = Outline(cell.piece, max(cell.inset, cell.chord))

@@ -48,7 +48,6 @@ class Inset:
 
 def inset_piece(piece: Piece, distance: float, *, chord: float) -> Inset:
     """Move a piece's outline inwards by `distance` (mm; negative: outwards), samples to `chord` (mm)."""
-    import shapely
 
     corner = abs(distance) * (1.0 - math.cos(0.25 * math.pi / QUARTER_SEGMENTS))
     slack = 2.0 * chord + corner
@@ -58,24 +57,32 @@ def inset_piece(piece: Piece, distance: float, *, chord: float) -> Inset:
         return Inset(polygons=_parts(shape), distance=distance, slack=slack)
     period = piece.outer[0].period
     cut = float(piece.outer[0].curves[0].start[0])
-    shape = _moved(_three_turns(piece, cut, chord), move)
-    low, high = shape.bounds[1::2] if not shape.is_empty else (0.0, 0.0)
-    window = shapely.box(cut, low - 1.0, cut + period, high + 1.0)
+    shape = _moved(three_turns(piece, chord), move)
+    window = window_of(piece, shape)
     return Inset(polygons=_parts(shape.intersection(window)), distance=distance, slack=slack, cut=cut, period=period)
 
 
 def three_turns_moved(piece: Piece, distance: float, *, chord: float):
     """The inset of a winding piece over the window and a turn on either side of it (shapely geometry)."""
     corner = abs(distance) * (1.0 - math.cos(0.25 * math.pi / QUARTER_SEGMENTS))
+    return _moved(three_turns(piece, chord), distance + chord + corner)
+
+
+def window_of(piece: Piece, shape):
+    """The box of a winding piece's one turn, as high as a geometry."""
+    import shapely
+
     cut = float(piece.outer[0].curves[0].start[0])
-    return _moved(_three_turns(piece, cut, chord), distance + chord + corner)
+    low, high = shape.bounds[1::2] if not shape.is_empty else (0.0, 0.0)
+    return shapely.box(cut, low - 1.0, cut + piece.outer[0].period, high + 1.0)
 
 
-def _three_turns(piece: Piece, cut: float, chord: float):
+def three_turns(piece: Piece, chord: float):
     """A winding piece's polygon from one turn before the window to one turn after it, cut exactly at its ends."""
     import shapely
 
     period = piece.outer[0].period
+    cut = float(piece.outer[0].curves[0].start[0])
     lower, upper = (loop.sample(chord) for loop in piece.outer)
     chains = []
     for points, way in ((lower, 1), (upper, -1)):

@@ -19,7 +19,7 @@ from .bead import Bead, LayerFill
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Cell:
-    """What a pattern fills: `piece` number `index`; `inset`, `step_over`, `width`, `chord` in mm."""
+    """What a pattern fills: `piece` number `index`; `inset`, `step_over`, `width`, `chord` in mm; the beads `laid` before."""
 
     piece: Piece
     index: int
@@ -27,6 +27,7 @@ class Cell:
     step_over: float
     width: float
     chord: float
+    laid: tuple[Bead, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -52,9 +53,14 @@ class Pattern(abc.ABC):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PatternSequence(Pattern):
-    """Patterns one after the other in the same piece, each inside of what the one before left."""
+    """Patterns one after the other in the same piece, each inside of what the one before left.
+
+    With an `overlap` (mm), each reaches that much farther out. Lines that meet a contour at a small angle leave no wedge bare
+    between them if the overlap is 2 d - w at least: their ends are then no farther than w - d from the contour's centre line.
+    """
 
     patterns: tuple[Pattern, ...]
+    overlap: float = 0.0
 
     def fill(self, cell: Cell) -> CellFill:
         beads: tuple[Bead, ...] = ()
@@ -65,8 +71,17 @@ class PatternSequence(Pattern):
             beads, notes = beads + made.beads, notes + made.notes
             angle = made.angle if made.angle is not None else angle
             step_over = made.step_over if made.step_over is not None else step_over
-            cell = replace(cell, inset=made.inset)
+            reach = self.overlap if made.inset > cell.inset else 0.0
+            cell = replace(cell, inset=made.inset - reach, laid=beads)
         return CellFill(beads=beads, inset=cell.inset, angle=angle, step_over=step_over, notes=notes)
+
+
+def _narrow(cell: Cell, shortest_bead: float) -> tuple[list[Bead], str]:
+    """What becomes of a piece that its pattern cannot fill: a bead along its skeleton, or nothing, and in words."""
+    from .skeleton import Skeleton
+
+    beads = [bead for bead in Skeleton().fill(replace(cell, laid=())).beads if bead.length() >= max(shortest_bead, cell.width)]
+    return beads, "one bead along its skeleton instead, wider than the piece" if beads else "left bare"
 
 
 def fill_region(
@@ -108,9 +123,9 @@ def fill_region(
         if len(long) < len(made.beads):
             notes.append(f"piece {index}: {len(made.beads) - len(long)} beads shorter than {shortest_bead:g} mm left out")
         if not long:
-            area = piece.area()
+            long, note = _narrow(cell, shortest_bead)
             notes.append(
-                f"piece {index} ({area:.4g} mm2) is too narrow for a bead {inset:g} mm inside of its outline: left bare"
+                f"piece {index} ({piece.area():.4g} mm2) is too narrow for a bead {inset:g} mm inside of its outline: {note}"
             )
         beads += long
         angles.append(float("nan") if made.angle is None else made.angle)

@@ -1,0 +1,95 @@
+"""Beads along the medial axis: where a piece is too narrow for a hatch or another contour.
+
+In: a cell, with the beads that were laid in it before. Out: beads along the skeleton of what those leave bare.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from brep_slicer.maps import Array
+
+from .bead import Bead, BeadKind
+from .inset import three_turns, window_of
+from .medial import medial_axis
+from .pattern import Cell, CellFill, Pattern
+
+if TYPE_CHECKING:
+    from shapely import Geometry
+
+# Branches of the medial axis that run into corners are left out when the corner turns by less than this.
+CORNER = math.radians(95.0)
+# Bare spots smaller than a square of this share of the bead width are left to the neighbouring beads.
+SPOT = 0.1
+# A bead along the skeleton reaches this share of its width into what is covered already, and is at least so long.
+REACH = 0.25
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Skeleton(Pattern):
+    """One bead along each branch of the skeleton of what is bare: of the whole piece, or of what other beads left."""
+
+    def fill(self, cell: Cell) -> CellFill:
+        import shapely
+
+        from brep_slicer.region import polygon_from_piece
+
+        shape = three_turns(cell.piece, cell.chord) if cell.piece.winds else polygon_from_piece(cell.piece, chord=cell.chord)
+        bare = shape
+        if cell.laid:
+            lines = [shapely.LineString(points) for points in _copies(cell)]
+            bare = shape.difference(shapely.union_all([line.buffer(0.5 * cell.width) for line in lines]))
+            bare = shapely.MultiPolygon([p for p in _polygons(bare) if p.area > (SPOT * cell.width) ** 2])
+        if bare.is_empty:
+            return CellFill(beads=(), inset=cell.inset)
+        lines = [line for polygon in _polygons(shape) for line in _branches(polygon, cell)]
+        found = shapely.MultiLineString(lines)
+        if cell.laid:
+            found = found.intersection(bare.buffer(REACH * cell.width))
+        if cell.piece.winds:
+            found = found.intersection(window_of(cell.piece, shape))
+        chains = [np.asarray(line.coords) for line in _lines(shapely.line_merge(found) if not found.is_empty else found)]
+        long = [c for c in chains if np.hypot(*np.diff(c, axis=0).T).sum() >= REACH * cell.width]
+        beads = tuple(_bead(_thinned(c, cell.chord), cell.index) for c in long)
+        return CellFill(beads=beads, inset=cell.inset)
+
+
+def _branches(polygon, cell: Cell) -> list:
+    import shapely
+
+    axis = medial_axis(polygon, chord=cell.chord)
+    keep = axis.angle > CORNER
+    pieces = np.stack([axis.starts[keep], axis.ends[keep]], axis=1)
+    merged = shapely.line_merge(shapely.MultiLineString(list(pieces))) if len(pieces) else shapely.MultiLineString()
+    return _lines(merged)
+
+
+def _copies(cell: Cell) -> list[Array]:
+    """The beads that were laid, on a full turn with their copies a turn to either side and more."""
+    if not cell.piece.winds:
+        return [bead.points for bead in cell.laid]
+    period = cell.piece.outer[0].period
+    return [bead.points + np.array([k * period, 0.0]) for bead in cell.laid for k in range(-3, 4)]
+
+
+def _bead(points: Array, piece: int) -> Bead:
+    closed = bool(np.array_equal(points[0], points[-1]))
+    return Bead(points=points, kind=BeadKind.SKELETON, piece=piece, closed=closed)
+
+
+def _thinned(points: Array, chord: float) -> Array:
+    import shapely
+
+    return np.asarray(shapely.LineString(points).simplify(chord).coords)
+
+
+def _polygons(shape: Geometry) -> list:
+    return [g for g in getattr(shape, "geoms", [shape]) if g.geom_type == "Polygon" and not g.is_empty]
+
+
+def _lines(shape: Geometry) -> list:
+    return [g for g in getattr(shape, "geoms", [shape]) if g.geom_type == "LineString" and not g.is_empty]

@@ -23,9 +23,11 @@ from brep_slicer.fill import (
     Spiral,
     Zigzag,
     fill_region,
+    in_short_order,
+    with_speed_by_spacing,
 )
 from brep_slicer.part import Part, as_part
-from brep_slicer.process import InnerPattern, Process
+from brep_slicer.process import InnerPattern, Order, Process
 from brep_slicer.region import FailedLayer, Layer, slice_solids
 from brep_slicer.section import CutSolid, Engine, cut_solids
 from brep_slicer.substrate.axis import Axis, find_axis
@@ -212,7 +214,7 @@ def fill_layer(layer: Layer | FailedLayer, process: Process) -> LayerFill:
     """The beads of one layer; none for a failed one."""
     if isinstance(layer, FailedLayer):
         return LayerFill(beads=())
-    return fill_region(
+    fill = fill_region(
         layer.region,
         pattern_of(process, layer.index),
         step_over=process.step_over,
@@ -221,6 +223,13 @@ def fill_layer(layer: Layer | FailedLayer, process: Process) -> LayerFill:
         chord=process.value("chord"),
         shortest_bead=process.value("shortest_bead"),
     )
+    if process.order is Order.SHORTEST:
+        fill = replace(fill, beads=in_short_order(fill.beads, layer.region.period))
+    if process.speed_follows_spacing and fill.beads:
+        limits = (process.slowest, process.fastest)
+        beads = with_speed_by_spacing(fill.beads, step_over=process.step_over, limits=limits, period=layer.region.period)
+        fill = replace(fill, beads=beads)
+    return fill
 
 
 def _deposits(layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill], stack: LayerStack) -> list[DepositLayer]:

@@ -91,6 +91,9 @@ class Process:
         Outermost bead centres half a bead inside of the outline, on it, or half a bead outside.
     overlap : float, optional
         How much farther than a step-over from the last contour's centre hatch lines reach; 2 d - w (0 at least) if not given.
+    speed_follows_spacing : bool
+        Beads that come nearer to their neighbours are laid faster, so that the height stays t; between `slowest` and `fastest`
+        times the deposition speed.
     order : Order
         Beads in the pattern's order, or in one that shortens travels.
     cut_at : CutAt
@@ -116,6 +119,9 @@ class Process:
     hatch_angles: tuple[float, ...] = (0.0,)
     hatch_angle_step: float = 0.0
     both_ways: bool = True
+    speed_follows_spacing: bool = False
+    slowest: float = 0.5
+    fastest: float = 2.0
     shortest_bead: float | None = None
     deposition_speed_mm_s: float | None = None
     travel_speed_mm_s: float | None = None
@@ -147,6 +153,8 @@ class Process:
             value = getattr(self, name)
             if value is not None and not (_finite(name, value) >= 0.0):
                 raise InputError(f"{name} is {value:g} mm; it must be zero or more")
+        if not 0.0 < _finite("slowest", self.slowest) <= 1.0 <= _finite("fastest", self.fastest):
+            raise InputError(f"slowest and fastest are {self.slowest:g} and {self.fastest:g}; 1 must lie between them")
         if self.contours < 0:
             raise InputError(f"contours is {self.contours}; it must be zero or more")
         if self.contours == 0 and not self.hatch:
@@ -323,7 +331,7 @@ def _from_plain(name: str, value: Any, source: str) -> Any:
         return tuple(math.radians(_finite(name, a)) for a in listed)
     if name == "hatch_angle_step":
         return math.radians(_finite(name, value))
-    if name in ("both_ways", "hatch"):
+    if name in ("both_ways", "hatch", "speed_follows_spacing"):
         if not isinstance(value, bool):
             raise InputError(f"{source}: {name} is {value!r}; it must be true or false")
         return value

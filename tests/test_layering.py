@@ -22,6 +22,7 @@ FLOW = [
     {"region"},
     {"fill"},
     {"toolpath"},
+    {"proof"},
     {"inspection", "planning"},
     {"output"},
     {"testing"},

@@ -8,8 +8,10 @@ from .cladding import Helix, Rings
 from .contours import Contours
 from .flank import FlankFollowing, flank_direction
 from .hatch import Hatch
+from .order import in_short_order
 from .pattern import Cell, CellFill, Pattern, PatternSequence, fill_region
 from .skeleton import Skeleton
+from .spacing import with_speed_by_spacing
 from .spiral import Spiral
 from .zigzag import Zigzag
 
@@ -31,4 +33,6 @@ __all__ = [
     "Zigzag",
     "fill_region",
     "flank_direction",
+    "in_short_order",
+    "with_speed_by_spacing",
 ]

@@ -8,7 +8,7 @@ Words: *bead*, one deposited track, laser on from its first point to its last; *
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,19 +34,26 @@ class Bead:
     """One bead: `points` (n, 2) in (kappa, v), mm, n >= 2, kappa continuous (universal cover), in the order of deposition.
 
     A `closed` bead ends where it starts, or, round the shaft, a whole number of turns further on; its last point says so.
-    `piece` is the index of the region's piece that it lies in.
+    `piece` is the index of the region's piece that it lies in. `speed` (n,), if given, are factors on the deposition speed at
+    the points: where neighbouring beads come nearer, less metal is wanted.
     """
 
     points: Array
     kind: BeadKind
     piece: int = 0
     closed: bool = False
+    speed: Array | None = None
 
     def __post_init__(self) -> None:
         points = frozen_array(self.points, name="points")
         if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2:
             raise ValueError(f"points must have shape (n >= 2, 2), got {points.shape}")
         object.__setattr__(self, "points", points)
+        if self.speed is not None:
+            speed = frozen_array(self.speed, name="speed", shape=(len(points),))
+            if not (speed > 0.0).all():
+                raise ValueError("speed must hold factors above zero")
+            object.__setattr__(self, "speed", speed)
 
     def length(self) -> float:
         """Length in mm; the same in the plane and on the cylinder (Eq. 16 of the paper)."""
@@ -54,7 +61,8 @@ class Bead:
 
     def reversed(self) -> Bead:
         """The same bead, deposited the other way."""
-        return Bead(points=self.points[::-1], kind=self.kind, piece=self.piece, closed=self.closed)
+        speed = None if self.speed is None else self.speed[::-1]
+        return replace(self, points=self.points[::-1], speed=speed)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -56,18 +56,18 @@ class _Rows:
     flat: Array
     radius: Array
     order: Array
+    factor: Array
 
 
 def lift_layers(layers: Sequence[DepositLayer], motion: Motion, axis: Axis, obstacles: Obstacles) -> Toolpath:
     """The whole toolpath, in the file's frame: approach, every bead with the travel to it, retract at the end."""
     table = _BeadTable(layers)
     if not len(table.starts):
-        empty = np.zeros(0)
-        return _toolpath(
-            _Rows(layer=empty, bead=empty, deposits=empty.astype(bool), flat=np.zeros((0, 2)), radius=empty, order=empty),
-            motion,
-            axis,
+        none = np.zeros(0)
+        rows = _Rows(
+            layer=none, bead=none, deposits=none.astype(bool), flat=np.zeros((0, 2)), radius=none, order=none, factor=none
         )
+        return _toolpath(rows, motion, axis)
     return _toolpath(_merged(_bead_rows(table, motion), _travel_rows(table, motion, obstacles)), motion, axis)
 
 
@@ -78,6 +78,8 @@ class _BeadTable:
         beads = [(layer, bead) for layer in layers for bead in layer.beads]
         counts = np.array([len(bead.points) for _, bead in beads], dtype=int)
         self.points = np.concatenate([np.zeros((0, 2)), *(bead.points for _, bead in beads)])
+        factors = [np.ones(len(bead.points)) if bead.speed is None else bead.speed for _, bead in beads]
+        self.factor = np.concatenate([np.zeros(0), *factors])
         self.bead = np.repeat(np.arange(len(beads)), counts)
         self.layer = np.array([layer.index for layer, _ in beads], dtype=int)
         self.radius = np.array([layer.radius for layer, _ in beads])
@@ -107,8 +109,18 @@ def _bead_rows(table: _BeadTable, motion: Motion) -> _Rows:
     flat = np.concatenate([table.starts, between])
     # a bead's first point ends the travel to it
     deposits = np.concatenate([np.zeros(count, dtype=bool), np.ones(len(between), dtype=bool)])
+    # a segment is laid at the mean of what is asked for at its two ends
+    factor = np.concatenate([np.ones(count), 0.5 * (table.factor[inside] + table.factor[inside + 1])[segment]])
     order = np.concatenate([np.zeros(count), 1.0 + np.arange(len(between))])
-    return _Rows(layer=table.layer[bead], bead=bead, deposits=deposits, flat=flat, radius=table.radius[bead], order=order)
+    return _Rows(
+        layer=table.layer[bead],
+        bead=bead,
+        deposits=deposits,
+        flat=flat,
+        radius=table.radius[bead],
+        order=order,
+        factor=factor,
+    )
 
 
 def _travel_rows(table: _BeadTable, motion: Motion, obstacles: Obstacles) -> _Rows:
@@ -136,7 +148,13 @@ def _travel_rows(table: _BeadTable, motion: Motion, obstacles: Obstacles) -> _Ro
     # travels come before the bead that they lead to, the last retract after everything
     order = np.concatenate([[-1.0], step - 1e9, [np.inf]])
     return _Rows(
-        layer=table.layer[bead], bead=bead, deposits=np.zeros(len(bead), dtype=bool), flat=flat, radius=radius, order=order
+        layer=table.layer[bead],
+        bead=bead,
+        deposits=np.zeros(len(bead), dtype=bool),
+        flat=flat,
+        radius=radius,
+        order=order,
+        factor=np.ones(len(bead)),
     )
 
 
@@ -161,11 +179,11 @@ def _heights(table: _BeadTable, theta0: Array, turn: Array, motion: Motion, obst
 def _merged(beads: _Rows, travels: _Rows) -> _Rows:
     both = [
         np.concatenate([getattr(beads, name), getattr(travels, name)])
-        for name in ("layer", "bead", "deposits", "flat", "radius", "order")
+        for name in ("layer", "bead", "deposits", "flat", "radius", "order", "factor")
     ]
     index = np.lexsort((both[5], both[1]))
-    layer, bead, deposits, flat, radius, order = (column[index] for column in both)
-    return _Rows(layer=layer, bead=bead, deposits=deposits, flat=flat, radius=radius, order=order)
+    layer, bead, deposits, flat, radius, order, factor = (column[index] for column in both)
+    return _Rows(layer=layer, bead=bead, deposits=deposits, flat=flat, radius=radius, order=order, factor=factor)
 
 
 def _toolpath(rows: _Rows, motion: Motion, axis: Axis) -> Toolpath:
@@ -178,5 +196,5 @@ def _toolpath(rows: _Rows, motion: Motion, axis: Axis) -> Toolpath:
         kappa=rows.flat[:, 0].copy(),
         v=rows.flat[:, 1].copy(),
         radius=rows.radius.astype(float),
-        speed=np.where(rows.deposits, motion.deposition_speed, motion.travel_speed),
+        speed=np.where(rows.deposits, motion.deposition_speed * rows.factor, motion.travel_speed),
     )

@@ -1,0 +1,113 @@
+"""Beads of a layer in an order, and run in directions, that make travels short.
+
+In: beads. Out: the same beads, some reversed. Greedy from the first one, then 2-opt and or-opt until nothing gets shorter.
+
+A travel is the geodesic from a bead's end to the next one's start, round the shaft the shorter way. Reversing a stretch of the
+order reverses its beads too, so only its two ends change.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from brep_slicer.maps import Array
+
+from .bead import Bead
+
+# Stretches up to this many beads are moved elsewhere as a whole.
+LONGEST_MOVE = 3
+# An improvement smaller than this (mm) is none.
+LEAST = 1e-9
+# A bead's number, and whether it is run backwards.
+Order = list[tuple[int, bool]]
+
+
+def in_short_order(beads: Sequence[Bead], period: float) -> tuple[Bead, ...]:
+    """The beads reordered for short travels on a cylinder of circumference `period` (mm); the first bead stays first."""
+    if len(beads) < 3:
+        return tuple(beads)
+    ends = np.array([[bead.points[0], bead.points[-1]] for bead in beads])
+    order = _greedy(ends, period)
+    while True:
+        before = travel_of(ends, order, period)
+        order = _moved(ends, _two_opt(ends, order, period), period)
+        if travel_of(ends, order, period) > before - LEAST:
+            break
+    return tuple(beads[i] if not back else beads[i].reversed() for i, back in order)
+
+
+def travel_of(ends: Array, order: Order, period: float) -> float:
+    """Length of all travels between beads with the `ends` (n, 2, 2) in an order, mm."""
+    starts, stops = _run(ends, order)
+    return float(_far(stops[:-1], starts[1:], period).sum())
+
+
+def _far(a: Array, b: Array, period: float) -> Array:
+    d = b - a
+    across = np.mod(d[..., 0], period)
+    return np.hypot(np.minimum(across, period - across), d[..., 1])
+
+
+def _run(ends: Array, order: Order) -> tuple[Array, Array]:
+    index, back = np.array([i for i, _ in order]), np.array([b for _, b in order], dtype=int)
+    return ends[index, back], ends[index, 1 - back]
+
+
+def _greedy(ends: Array, period: float) -> Order:
+    left = np.ones(len(ends), dtype=bool)
+    left[0] = False
+    order, here = [(0, False)], ends[0, 1]
+    while left.any():
+        rows = np.flatnonzero(left)
+        gaps = _far(here, ends[rows], period)
+        k, side = np.unravel_index(int(gaps.argmin()), gaps.shape)
+        chosen = int(rows[k])
+        order.append((chosen, bool(side)))
+        left[chosen] = False
+        here = ends[chosen, 1 - int(side)]
+    return order
+
+
+def _two_opt(ends: Array, order: Order, period: float) -> Order:
+    """Reverse the stretch that gains most, until none gains anything; all pairs of cuts at once."""
+    while True:
+        starts, stops = _run(ends, order)
+        n = len(order)
+        # reversing order[i + 1 .. j] joins stop i with stop j and start i + 1 with start j + 1 (nothing follows the last one)
+        kept = np.append(_far(stops[:-1], starts[1:], period), 0.0)
+        head = _far(stops[:, None], stops[None, :], period)
+        tail = np.zeros((n, n))
+        tail[:-1, :-1] = _far(starts[1:, None], starts[None, 1:], period)
+        gain = kept[:, None] + kept[None, :] - head - tail
+        gain[np.tril_indices(n)] = -np.inf
+        i, j = np.unravel_index(int(gain.argmax()), gain.shape)
+        if gain[i, j] <= LEAST:
+            return order
+        middle = [(k, not back) for k, back in order[i + 1 : j + 1][::-1]]
+        order = [*order[: i + 1], *middle, *order[j + 1 :]]
+
+
+def _moved(ends: Array, order: Order, period: float) -> Order:
+    """Short stretches moved to where they cost less, either way round (or-opt)."""
+    for length in range(1, LONGEST_MOVE + 1):
+        for begin in range(1, len(order) - length + 1):
+            order = _best_place(ends, order, begin, length, period)
+    return order
+
+
+def _best_place(ends: Array, order: Order, begin: int, length: int, period: float) -> Order:
+    part, rest = order[begin : begin + length], order[:begin] + order[begin + length :]
+    starts, stops = _run(ends, rest)
+    following = np.append(_far(stops[:-1], starts[1:], period), 0.0)
+    now, out = travel_of(ends, order, period), order
+    for turned in (part, [(k, not back) for k, back in part[::-1]]):
+        a, b = _run(ends, turned)
+        own = float(_far(b[:-1], a[1:], period).sum())
+        after = np.append(_far(b[-1], starts[1:], period), 0.0)
+        cost = float(following.sum()) + own + _far(stops, a[0], period) + after - following
+        k = int(cost.argmin())
+        if cost[k] < now - LEAST:
+            now, out = float(cost[k]), [*rest[: k + 1], *turned, *rest[k + 1 :]]
+    return out

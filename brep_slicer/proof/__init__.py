@@ -1,0 +1,10 @@
+"""Proof that the metal is even: step-over measured on the emitted points, coverage, the deposit simulated.
+
+In: a region, beads or a toolpath. Out: figures, and a height map on an unrolled grid.
+"""
+
+from .coverage import Coverage, coverage_of
+from .deposit import Deposit, deposit_of
+from .step_over import StepOver, step_over_of
+
+__all__ = ["Coverage", "Deposit", "StepOver", "coverage_of", "deposit_of", "step_over_of"]

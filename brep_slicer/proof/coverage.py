@@ -1,0 +1,86 @@
+"""How much of a region its beads cover: bare, once, more than once.
+
+In: a region, beads, their width. Out: areas, exact but for the chord of the samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from brep_slicer.fill import Bead
+from brep_slicer.region import Region
+
+from .chart import Track, drawn
+
+# Segments a quarter circle of the beads' round ends.
+QUARTER = 32
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Coverage:
+    """Areas in mm**2: of a region, of what is `bare`, covered by one bead (`once`) or `more`, and covered `outside` of it."""
+
+    area: float
+    bare: float
+    once: float
+    more: float
+    outside: float
+
+    @property
+    def bare_share(self) -> float:
+        """Bare area over the region's."""
+        return self.bare / self.area if self.area else 0.0
+
+
+def coverage_of(region: Region, beads: Sequence[Bead], width: float) -> Coverage:
+    """Coverage of a region by beads of `width` (mm), across the seam too."""
+    import shapely
+
+    shape, tracks = drawn(region, beads, reach=width)
+    if shape.is_empty:
+        return Coverage(area=0.0, bare=0.0, once=0.0, more=0.0, outside=0.0)
+    strips = [_strip(track, width) for track in tracks]
+    # bare is what no bead covers, its corners round; more is what strips cover twice, cut flat where a bead goes on
+    once = shapely.union_all([*strips, *(_corners(track, width) for track in tracks)])
+    pairs = zip(*shapely.STRtree(strips).query(strips, predicate="intersects"), strict=True)
+    twice = [strips[i].intersection(strips[j]) for i, j in pairs if i < j and not _joined(tracks[i], tracks[j])]
+    bare, more = shape.difference(once).area, shape.intersection(shapely.union_all(twice)).area
+    # a full band is drawn over one turn and is open at its cut sides
+    outside = _beyond(once, shape) if any(p.winds for p in region.pieces) else once.difference(shape).area
+    return Coverage(area=shape.area, bare=bare, once=shape.area - bare - more, more=more, outside=outside)
+
+
+def _strip(track: Track, width: float):
+    """What a track covers: round at the bead's own ends, flat where the bead goes on."""
+    import shapely
+
+    line = shapely.LineString(track.points)
+    flat = line.buffer(0.5 * width, quad_segs=QUARTER, cap_style="flat")
+    own = [shapely.Point(track.points[k]) for k, mine in zip((0, -1), track.ends, strict=True) if mine]
+    return shapely.union_all([flat, *(point.buffer(0.5 * width, quad_segs=QUARTER) for point in own)])
+
+
+def _corners(track: Track, width: float):
+    """The discs at both ends of a track: where a bead turns, it covers the outside of the corner."""
+    import shapely
+
+    return shapely.MultiPoint(track.points[[0, -1]]).buffer(0.5 * width, quad_segs=QUARTER)
+
+
+def _joined(first: Track, second: Track) -> bool:
+    """Whether one track goes on where the other ends: they overlap there for no more than a corner."""
+    if first.bead != second.bead:
+        return False
+    gaps = (first.points[-1] - second.points[0], second.points[-1] - first.points[0])
+    return any(float(np.abs(gap).max()) < 1e-6 for gap in gaps)
+
+
+def _beyond(once, shape) -> float:
+    import shapely
+
+    k0, _, k1, _ = shape.bounds
+    _, v0, _, v1 = once.bounds
+    return float(once.intersection(shapely.box(k0, v0, k1, v1)).difference(shape).area)

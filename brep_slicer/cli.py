@@ -115,8 +115,24 @@ def plan(
         int | None, typer.Option("--contours", help="Beads along the outline before hatching (default 0).")
     ] = None,
     pattern: Annotated[
-        str | None, typer.Option("--pattern", help="Inside of the contours: hatch (default), zigzag, flank, rings or helix.")
+        str | None,
+        typer.Option(
+            "--pattern",
+            help="Inside of the contours: hatch (default), zigzag, flank, contours, spiral, skeleton, rings or helix.",
+        ),
     ] = None,
+    fit: Annotated[
+        str | None, typer.Option("--fit", help="Outermost bead centres in (w/2 inside, default), on, or out of the outline.")
+    ] = None,
+    order: Annotated[
+        str | None, typer.Option("--order", help="Beads in the pattern's order (default), or shortest travels.")
+    ] = None,
+    even_height: Annotated[
+        bool, typer.Option("--even-height", help="Faster where beads come nearer to each other, so that the height stays t.")
+    ] = False,
+    proof: Annotated[
+        bool, typer.Option("--proof", help="Measure step-over, coverage and deposit; goes into report.json and proof.png.")
+    ] = False,
     angle: Annotated[
         list[float] | None,
         typer.Option("--angle", help="Hatch angle, degrees from the circumference; repeated: layer by layer in turn."),
@@ -163,6 +179,9 @@ def plan(
         "deposition_speed_mm_s": speed,
         "chord": chord,
         "pattern": _choice("--pattern", pattern, "InnerPattern"),
+        "fit": _choice("--fit", fit, "Fit"),
+        "order": _choice("--order", order, "Order"),
+        "speed_follows_spacing": True if even_height else None,
         "last_layer": _choice("--last-layer", last_layer, "LastLayer"),
         "cut_at": _choice("--cut-at", cut_at, "CutAt"),
     }
@@ -179,7 +198,7 @@ def plan(
             engine=_engine(engine),
             progress=advance,
         )
-    written = write_plan(made, out, allow_failed=allow_failed, step=step, dxf=dxf)
+    written = write_plan(made, out, allow_failed=allow_failed, step=step, dxf=dxf, proof=proof)
     report = made.report()
     if not allow_failed:
         check_complete(made)

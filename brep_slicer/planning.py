@@ -57,6 +57,14 @@ class Plan:
         """Layers that could not be cut with certainty."""
         return tuple(layer for layer in self.layers if isinstance(layer, FailedLayer))
 
+    def proof(self) -> list[dict[str, Any]]:
+        """How even the metal is, a row a layer: coverage, simulated deposit, step-over on the emitted points, duty."""
+        from brep_slicer.proof import proof_of_layers
+
+        whole = [(layer, fill) for layer, fill in zip(self.layers, self.fills, strict=True) if isinstance(layer, Layer)]
+        width, step_over = self.process.width, self.process.step_over
+        return proof_of_layers(whole, self.toolpath, self.axis, width=width, step_over=step_over)
+
     def report(self) -> dict[str, Any]:
         """Everything that report.json says, as plain values."""
         from brep_slicer.output.report import report_of_plan

@@ -55,10 +55,7 @@ def medial_axis(polygon: Polygon, *, chord: float) -> MedialAxis:
         for i, e in enumerate(edges)
         if i < e.twin and e.is_primary and e.start >= 0 and e.end >= 0 and inside[e.start] and inside[e.end]
     ]
-    chains = [
-        vertices[[edges[i].start, edges[i].end]] if edges[i].is_linear else np.array(found.DiscretizeCurvedEdge(i, chord))
-        for i in kept
-    ]
+    chains = [_chain(found, i, vertices[[edges[i].start, edges[i].end]], edges[i].is_linear, chord) for i in kept]
     if not chains:
         return MedialAxis(starts=np.zeros((0, 2)), ends=np.zeros((0, 2)), distance=np.zeros(0), angle=np.zeros(0))
     count = [len(c) - 1 for c in chains]
@@ -73,6 +70,19 @@ def medial_axis(polygon: Polygon, *, chord: float) -> MedialAxis:
         distance=np.minimum(*size),
         angle=np.arccos(np.clip(cosine, -1.0, 1.0)),
     )
+
+
+def _chain(found: Any, edge: int, ends: Array, linear: bool, chord: float) -> Array:
+    """Points (n, 2) along an edge of the diagram; a parabola too flat for pyvoronoi's formula is its chord."""
+    import pyvoronoi
+
+    if linear:
+        return ends
+    try:
+        points = np.array(list(found.DiscretizeCurvedEdge(edge, chord))).reshape(-1, 2)
+    except (pyvoronoi.UnsolvableParabolaEquation, pyvoronoi.FocusOnDirectixException):
+        return ends
+    return points if len(points) > 1 else ends
 
 
 def _to_sites(points: Array, cells: list[Any], count: Array, a: Array, b: Array) -> Array:

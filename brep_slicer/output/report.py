@@ -64,6 +64,7 @@ def report_of_plan(plan: Plan) -> dict[str, Any]:
         "failed_layers": len(plan.failed),
         "sections": summary_of_sections(plan),
         "totals": {**total, "powder_mass_g": powder_mass(plan, total["deposition_time_s"])},
+        "catchment": plan.process.catchment,
         "layers": layers,
         "warnings": list(plan.warnings),
     }

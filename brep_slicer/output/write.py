@@ -26,8 +26,11 @@ def write_plan(
     step: bool = False,
     dxf: bool = False,
     pictures: bool = True,
+    proof: bool = False,
 ) -> list[Path]:
     """Write report.json, toolpath.csv, toolpath.json, layers.png, toolpath.png; beads.step and layers.dxf on request.
+
+    With `proof`, report.json also says how even the metal is, and proof.png shows it.
 
     With failed layers only report.json is written, unless `allow_failed`.
 
@@ -37,8 +40,9 @@ def write_plan(
         If the folder cannot be written to.
     """
     place = ensure_folder(folder)
-    report = json.dumps(plan.report(), indent=1, allow_nan=False) + "\n"
-    written = [write_text(place / "report.json", report)]
+    proven = plan.proof() if proof else []
+    report = plan.report() | ({"proof": proven} if proof else {})
+    written = [write_text(place / "report.json", json.dumps(report, indent=1, allow_nan=False) + "\n")]
     if plan.failed and not allow_failed:
         return written
     header = header_of_plan(plan)
@@ -48,6 +52,10 @@ def write_plan(
     if pictures:
         written.append(draw_layers(plan, place / "layers.png"))
         written.append(draw_toolpath(plan, place / "toolpath.png"))
+        if proof:
+            from .proof_picture import draw_proof
+
+            written.append(draw_proof(plan, proven, place / "proof.png"))
     if step:
         from .wires import write_bead_wires
 

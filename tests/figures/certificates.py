@@ -25,8 +25,9 @@ from brep_slicer.testing import area_by_flux, areas_by_flux, closure_of
 RANDOM, STEPS = 1000, (0.0, 1e-9, 1e-7, 1e-5, 1e-3)
 # the quick integral is good for this share of the solid's largest section; exact ones are asked for beyond it
 QUICK = 5e-4
-# radii within 1e-9 mm of a level count as that level; what lies just beyond it is what the section then is
-SNAPS = np.array([0.0, 1.001e-9, 2e-9])
+# radii within 1e-9 mm of a level count as that level, and what lies just beyond it is what the section then is; faces that are
+# level but for noise of up to 2e-5 mm count as one radius
+SNAPS = np.array([0.0, 1.001e-9, 2e-9, -1.001e-9, 2.1e-5, -2.1e-5])
 # fallbacks tried by boolean and areas judged by the exact integral in any case, a solid and kind of radius
 MOST_FALLBACKS, JUDGED = 20, 4
 # of those whose quick integral differs, at most this many are judged by the exact one (how many are left is printed)

@@ -1,0 +1,66 @@
+"""proof.png: height maps of some layers, and the spacings of all.
+
+In: a Plan and its proof. Out: a picture.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from brep_slicer.proof import deposit_of
+from brep_slicer.region import Layer
+
+from .atomic import write_whole
+
+if TYPE_CHECKING:
+    from brep_slicer.planning import Plan
+
+# Height maps shown, of layers spread evenly.
+MOST_MAPS = 3
+
+
+def draw_proof(plan: Plan, proof: list[dict[str, Any]], path: str | Path) -> Path:
+    """Simulated heights over t of up to three layers, and the histogram of the spacings measured on all."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    pairs = [(la, f) for la, f in zip(plan.layers, plan.fills, strict=True) if isinstance(la, Layer) and not la.region.is_empty]
+    chosen = [pairs[int(i)] for i in np.unique(np.linspace(0, len(pairs) - 1, MOST_MAPS).round())] if pairs else []
+    figure = Figure(figsize=(4.2 * (len(chosen) + 1), 4.6), dpi=110, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots(1, len(chosen) + 1, squeeze=False)[0]
+    image = None
+    for ax, (layer, fill) in zip(axes[:-1], chosen, strict=True):
+        t = layer.thickness or 1.0
+        made = deposit_of(layer.region, fill.beads, width=plan.process.width, thickness=t, step_over=plan.process.step_over)
+        extent = (made.kappa[0], made.kappa[-1], made.v[0], made.v[-1])
+        image = ax.imshow(made.heights / t, origin="lower", extent=extent, cmap="RdBu_r", vmin=0.0, vmax=2.0, aspect="equal")
+        row = next(r for r in proof if r["layer"] == layer.index)
+        ax.set_title(
+            f"layer {layer.index}: height / t, mean {made.mean / t:.3f}\nbare {100 * row['bare_share']:.2f} %, duty"
+            f" {100 * (row['duty'] or 0.0):.0f} %, {row['starts']} starts",
+            fontsize=9,
+        )
+        ax.set_xlabel("κ, mm")
+        ax.set_ylabel("v, mm")
+    if image is not None:
+        figure.colorbar(image, ax=list(axes[:-1]), shrink=0.7, label="simulated height / t")
+    _histogram(axes[-1], proof, plan.process.step_over)
+    return write_whole(path, lambda temporary: figure.savefig(temporary))
+
+
+def _histogram(ax: Any, proof: list[dict[str, Any]], step_over: float) -> None:
+    measured = [row["step_over_measured_mm"] for row in proof]
+    counts = np.sum([m["histogram"]["counts"] for m in measured], axis=0) if measured else np.zeros(1)
+    edges = np.array(measured[0]["histogram"]["edges_mm"]) if measured else np.array([0.5, 1.5]) * step_over
+    ax.stairs(counts, edges, fill=True, color="0.5")
+    ax.axvline(step_over, color="#c8102e", lw=1)
+    known = [m for m in measured if m["spacings"]]
+    span = f"{min(m['lowest'] for m in known):.4f} to {max(m['highest'] for m in known):.4f} mm" if known else "none"
+    ax.set_title(
+        f"spacing of neighbouring beads, on the emitted\npoints: {sum(m['spacings'] for m in measured)}, {span}", fontsize=9
+    )
+    ax.set_xlabel("mm")

@@ -1,0 +1,68 @@
+"""The proof of a whole plan, layer by layer, as plain values.
+
+In: a plan's layers, fills and toolpath. Out: for each layer coverage, deposit, measured step-over, duty.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from brep_slicer.fill import LayerFill
+from brep_slicer.region import Layer
+from brep_slicer.substrate.axis import Axis
+from brep_slicer.toolpath import Toolpath
+
+from .coverage import coverage_of
+from .deposit import deposit_of
+from .step_over import step_over_of
+
+# Bins of the histogram of spacings.
+BINS = 13
+
+
+def proof_of_layers(
+    layers: Sequence[tuple[Layer, LayerFill]], toolpath: Toolpath, axis: Axis, *, width: float, step_over: float
+) -> list[dict[str, Any]]:
+    """A row a layer: shares of area, mean height over t, variation, spacings in mm with their histogram, duty, starts."""
+    summaries = {row["layer"]: row for row in toolpath.summary_by_layer()}
+    return [
+        {"layer": layer.index, **_row(layer, fill, toolpath, axis, width, step_over), **_duty(summaries.get(layer.index))}
+        for layer, fill in layers
+        if not layer.region.is_empty
+    ]
+
+
+def _row(layer: Layer, fill: LayerFill, toolpath: Toolpath, axis: Axis, width: float, step_over: float) -> dict[str, Any]:
+    thickness = layer.thickness or 1.0
+    coverage = coverage_of(layer.region, fill.beads, width)
+    deposit = deposit_of(layer.region, fill.beads, width=width, thickness=thickness, step_over=step_over)
+    spacings = step_over_of(toolpath, axis, layer.index).spacings
+    near = spacings[spacings < 2.0 * step_over]
+    counts, edges = np.histogram(near, bins=BINS, range=(0.5 * step_over, 1.5 * step_over))
+    return {
+        "bare_share": coverage.bare_share,
+        "once_share": coverage.once / coverage.area,
+        "more_share": coverage.more / coverage.area,
+        "outside_mm2": coverage.outside,
+        "mean_height_over_t": deposit.mean / thickness,
+        "height_variation": deposit.variation,
+        "height_within_2_percent": deposit.share_within(thickness, 0.02),
+        "step_over_measured_mm": {
+            "spacings": len(near),
+            "lowest": float(near.min()) if len(near) else None,
+            "highest": float(near.max()) if len(near) else None,
+            "histogram": {"edges_mm": edges.tolist(), "counts": counts.tolist()},
+        },
+    }
+
+
+def _duty(summary: dict[str, Any] | None) -> dict[str, Any]:
+    """Share of the way with the laser on, and how often it starts."""
+    if summary is None:
+        return {"duty": None, "starts": 0}
+    laid, moved = summary["deposition_length_mm"], summary["travel_length_mm"]
+    return {"duty": laid / math.fsum([laid, moved]) if laid else 0.0, "starts": summary["beads"]}

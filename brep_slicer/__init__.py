@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from .output.write import write_plan
     from .part import Part, Solid, as_part, read_step
     from .planning import Plan, plan
-    from .process import CutAt, InnerPattern, LastLayer, Process, read_process
+    from .process import CutAt, Fit, InnerPattern, LastLayer, Order, Process, read_process
     from .region import FailedLayer, Layer, Piece, Region, slice_part
     from .section import Certificate, Engine
     from .substrate.axis import Axis, axis_candidates, axis_from_line, axis_from_text, find_axis
@@ -61,7 +61,7 @@ _HOMES = {
     "output.write": ("write_plan",),
     "part": ("Part", "Solid", "as_part", "read_step"),
     "planning": ("Plan", "plan"),
-    "process": ("CutAt", "InnerPattern", "LastLayer", "Process", "read_process"),
+    "process": ("CutAt", "Fit", "InnerPattern", "LastLayer", "Order", "Process", "read_process"),
     "region": ("FailedLayer", "Layer", "Piece", "Region", "slice_part"),
     "section": ("Certificate", "Engine"),
     "substrate.axis": ("Axis", "axis_candidates", "axis_from_line", "axis_from_text", "find_axis"),

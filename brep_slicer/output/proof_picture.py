@@ -38,6 +38,10 @@ def draw_proof(plan: Plan, proof: list[dict[str, Any]], path: str | Path) -> Pat
         made = deposit_of(layer.region, fill.beads, width=plan.process.width, thickness=t, step_over=plan.process.step_over)
         extent = (made.kappa[0], made.kappa[-1], made.v[0], made.v[-1])
         image = ax.imshow(made.heights / t, origin="lower", extent=extent, cmap="RdBu_r", vmin=0.0, vmax=2.0, aspect="equal")
+        # the largest piece: the others are its like, or small
+        k0, v0, k1, v1 = max(layer.region.pieces, key=lambda piece: piece.area()).bounds()
+        ax.set_xlim(k0 - 2.0, k1 + 2.0)
+        ax.set_ylim(v0 - 2.0, v1 + 2.0)
         row = next(r for r in proof if r["layer"] == layer.index)
         ax.set_title(
             f"layer {layer.index}: height / t, mean {made.mean / t:.3f}\nbare {100 * row['bare_share']:.2f} %, duty"

@@ -1,0 +1,190 @@
+"""The proof that the metal is even: what it measures, held against closed forms, and what the patterns reach."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+import brep_slicer as bs
+from brep_slicer.curves import LineCurve, Loop
+from brep_slicer.fill import (
+    Contours,
+    FlankFollowing,
+    Hatch,
+    PatternSequence,
+    Rings,
+    Skeleton,
+    Spiral,
+    fill_region,
+    in_short_order,
+    with_speed_by_spacing,
+)
+from brep_slicer.fill.order import travel_of
+from brep_slicer.proof import coverage_of, deposit_of, step_over_of
+from brep_slicer.region import region_from_loops
+
+from .test_fill import ARGS, TURN, D, R, W, band, box
+from .test_patterns import plain_band
+
+Z = bs.axis_from_text("Z")
+ON = {**ARGS, "inset": 0.0}
+T = 1.4
+CONTOURS_AND_HATCH = [
+    PatternSequence(patterns=(Contours(count=1), Hatch(angle=math.radians(a))), overlap=2.0 * D - W) for a in range(0, 180, 15)
+]
+CONTOURS_AND_SKELETON = PatternSequence(patterns=(Contours(count=None), Skeleton()))
+
+
+def polygon(*corners):
+    lines = tuple(LineCurve.between(a, b) for a, b in itertools.pairwise([*corners, corners[0]]))
+    return region_from_loops(R, [Loop(curves=lines, radius=R)])
+
+
+def test_coverage_of_one_bead_in_closed_form():
+    (bead,) = fill_region(polygon((0, 0), (W, 0), (W, 30), (0, 30)), Hatch(angle=0.5 * math.pi), **ARGS).beads
+    found = coverage_of(box_around(), [bead], W)
+    strip = bead.length() * W + math.pi * W**2 / 4.0
+    assert found.once == pytest.approx(strip, rel=1e-3)
+    assert found.bare == pytest.approx(found.area - strip, rel=1e-3)
+    assert found.more == pytest.approx(0.0, abs=1e-9)
+
+
+def box_around():
+    return polygon((-20, -20), (40, -20), (40, 60), (-20, 60))
+
+
+def test_two_beads_overlap_by_what_their_spacing_leaves():
+    width = 3.0 * D + 0.02
+    region = polygon((0, 0), (width, 0), (width, 200), (0, 200))
+    beads = fill_region(region, Hatch(angle=0.5 * math.pi), **ON).beads
+    found = coverage_of(region, beads, W)
+    assert len(beads) == 4
+    assert found.bare_share < 1e-4
+    assert found.more / found.area == pytest.approx((W - D) / D, rel=2e-2)
+
+
+def test_a_full_turn_of_rings_deposits_t_everywhere_across_the_seam():
+    region = plain_band(W + 9 * D)
+    rings = fill_region(region, Rings(), **ARGS)
+    made = deposit_of(region, rings.beads, width=W, thickness=T, step_over=D)
+    inner = (made.v > 2 * W) & (made.v < 9 * D - W)
+    heights = made.heights[inner][:, :-1]
+    assert heights.mean() == pytest.approx(T, rel=1e-2)
+    # no seam shows: every column is the same
+    assert np.ptp(heights, axis=1).max() < 1e-3 * T
+
+
+def test_the_metal_of_a_bead_is_t_d_per_length():
+    (bead,) = fill_region(polygon((0, 0), (W, 0), (W, 60), (0, 60)), Hatch(angle=0.5 * math.pi), **ARGS).beads
+    made = deposit_of(box_around(), [bead], width=W, thickness=T, step_over=D)
+    cell = made.kappa[1] - made.kappa[0]
+    ends = 3.0 * math.pi / 32.0 * W * 2.0
+    assert np.nansum(made.heights) * cell**2 == pytest.approx(T * D * (bead.length() + ends), rel=2e-3)
+
+
+TEETH = [("helical_gear_tooth", (152.0, 165.0, 183.0)), ("spur_gear_tooth", (152.0, 179.0))]
+
+
+@pytest.mark.parametrize(("name", "radii"), TEETH)
+def test_contours_and_hatch_leave_nothing_bare_on_a_tooth_at_any_angle(name, radii, fixture_step):
+    for layer in bs.slice_part(bs.read_step(fixture_step(name)), list(radii), axis=Z):
+        for pattern in CONTOURS_AND_HATCH:
+            fill = fill_region(layer.region, pattern, **ON)
+            assert coverage_of(layer.region, fill.beads, W).bare_share <= 0.005
+
+
+def test_contours_and_skeleton_leave_nothing_bare_on_a_blade_down_to_the_tip(fixture_step):
+    layers = bs.slice_part(bs.read_step(fixture_step("propeller")), [60.0, 80.0, 100.0, 118.0, 140.0, 149.9], axis=Z)
+    bare = {}
+    for name, pattern in {"both": CONTOURS_AND_SKELETON, "contours": Contours(count=None), "hatch": Hatch()}.items():
+        fills = [fill_region(layer.region, pattern, **ON) for layer in layers]
+        bare[name] = max(coverage_of(la.region, f.beads, W).bare_share for la, f in zip(layers, fills, strict=True))
+    assert bare["both"] <= 0.005
+    # neither hatch nor contours alone do it
+    assert bare["contours"] > 0.02
+    assert bare["hatch"] > 0.005
+
+
+def test_beads_that_pass_over_keep_their_bounds_and_speed_keeps_the_height():
+    region = polygon((-15, 0), (15, 0), (12, 60), (-13, 60))
+    beads = fill_region(region, FlankFollowing(), **ON).beads
+    even = deposit_of(region, with_speed_by_spacing(beads, step_over=D, limits=(0.5, 2.0)), width=W, thickness=T, step_over=D)
+    assert deposit_of(region, beads, width=W, thickness=T, step_over=D).share_within(T, 0.02) < 0.6
+    assert even.share_within(T, 0.02) >= 0.99
+    assert even.mean == pytest.approx(T, rel=0.005)
+    first = beads[0].points
+    for bead in beads[1:]:
+        gap = np.hypot(*(bead.points.mean(axis=0) - first.mean(axis=0)))
+        first = bead.points
+        assert 0.75 * D <= gap <= 1.26 * D
+
+
+def test_where_beads_would_be_squeezed_some_end():
+    region = polygon((-15, 0), (15, 0), (4, 60), (-4, 60))
+    fill = fill_region(region, FlankFollowing(), **ON)
+    assert "beads end and fewer go on" in fill.notes[0]
+    assert coverage_of(region, fill.beads, W).bare_share < 0.005
+
+
+@pytest.mark.parametrize("angle", [0.0, 17.0, 60.0, 90.0])
+def test_step_over_is_measured_on_the_emitted_points_across_the_seam(angle, fixture_step):
+    part = bs.read_step(fixture_step("keyed_band"))
+    process = bs.Process(layer_thickness=2.0, step_over=D, bead_width=W, hatch_angles=(math.radians(angle),))
+    plan = bs.plan(part, process, axis=Z, substrate=45.0, layers=(0, 1))
+    used = plan.fills[0].step_over[0]
+    found = step_over_of(plan.toolpath, plan.axis, 0).spacings
+    near = found[found < 1.5 * D]
+    assert len(near) > 100
+    assert np.abs(near - used).max() <= 1e-6
+
+
+def test_a_spiral_is_one_bead_with_turns_a_step_over_apart():
+    fill = fill_region(box(), Spiral(), **ON)
+    (bead,) = fill.beads
+    assert bead.kind.value == "spiral"
+    rings = fill_region(box(), Contours(count=None), **ON).beads
+    # the outermost and innermost rings whole, and a turn between each two: the mean of both
+    expected = 0.5 * (rings[0].length() + rings[-1].length()) + sum(b.length() for b in rings)
+    assert bead.length() == pytest.approx(expected, rel=0.02)
+
+
+def test_short_order_keeps_every_bead_and_shortens_travel():
+    rng = np.random.default_rng(4)
+    beads = [b for k in range(12) for b in fill_region(shifted(k), Hatch(angle=0.3), **ARGS).beads]
+    mixed = [beads[i] for i in rng.permutation(len(beads))]
+    ordered = in_short_order(mixed, TURN)
+    assert len(ordered) == len(mixed)
+    key = sorted(tuple(np.sort(b.points.ravel()).round(9)) for b in mixed)
+    assert sorted(tuple(np.sort(b.points.ravel()).round(9)) for b in ordered) == key
+    assert travel(ordered) < 0.3 * travel(mixed)
+
+
+def shifted(k):
+    return polygon((25.0 * k, 0), (25.0 * k + 14, 0), (25.0 * k + 14, 20), (25.0 * k, 20))
+
+
+def travel(beads):
+    ends = np.array([[b.points[0], b.points[-1]] for b in beads])
+    return travel_of(ends, [(i, False) for i in range(len(beads))], TURN)
+
+
+def test_a_plan_proves_itself(fixture_step):
+    process = bs.Process(layer_thickness=T, step_over=D, bead_width=W, pattern=bs.InnerPattern.FLANK, fit=bs.Fit.ON)
+    plan = bs.plan(bs.read_step(fixture_step("helical_gear_tooth")), process, layers=(0, 4))
+    for row in plan.proof():
+        assert row["bare_share"] < 0.005
+        assert row["mean_height_over_t"] == pytest.approx(1.0, abs=0.02)
+        measured = row["step_over_measured_mm"]
+        assert measured["lowest"] == pytest.approx(D, abs=1e-6)
+        assert measured["highest"] == pytest.approx(D, abs=1e-6)
+        assert sum(measured["histogram"]["counts"]) == measured["spacings"] > 50
+        assert 0.5 < row["duty"] < 1.0
+
+
+def test_a_keyway_is_not_counted_as_bare():
+    found = coverage_of(band(), fill_region(band(), Rings(), **ON).beads, W)
+    assert found.area == pytest.approx(band().area, rel=1e-9)
+    assert found.bare_share < 0.02

@@ -8,11 +8,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from .bead import Bead, BeadKind
+from .contours import rings_at
 from .hatch import Hatch
-from .inset import edges_of, inset_piece
 from .pattern import Cell, CellFill, Pattern
 
 
@@ -29,8 +27,8 @@ class Rings(Pattern):
 class Helix(Pattern):
     """`starts` helices side by side, right-handed unless `left_handed`; neighbouring turns are one step-over apart.
 
-    The lines obey L sin(phi) = starts * d, so each goes round without a seam. With `closing_rings`, a ring lies at both ends
-    of the band, where a helix alone leaves wedges.
+    The lines obey L sin(phi) = starts * d, so each goes round without a seam. With `closing_rings`, a bead follows
+    both edges of the band, where a helix alone leaves wedges.
     """
 
     starts: int = 1
@@ -52,18 +50,17 @@ class Helix(Pattern):
         made = Hatch(angle=angle, both_ways=False).fill(cell)
         beads = [_of_kind(b, BeadKind.HELIX) for b in made.beads]
         if self.closing_rings:
-            beads = [*self._rings(cell, lowest=True), *beads, *self._rings(cell, lowest=False)]
+            rings = _edges_of_band(cell)
+            beads = [*rings[:1], *beads, *rings[1:]]
         return replace(made, beads=tuple(beads))
 
-    def _rings(self, cell: Cell, *, lowest: bool) -> list[Bead]:
-        """One ring at the lower or the upper end of what a bead's centre may reach."""
-        inset = inset_piece(cell.piece, cell.inset, chord=cell.chord)
-        points, _ = edges_of(inset.polygons)
-        if not len(points):
-            return []
-        v = float(points[:, 1].min() if lowest else points[:, 1].max())
-        ring = np.array([[inset.cut, v], [inset.cut + inset.period, v]])
-        return [Bead(points=ring, kind=BeadKind.RING, piece=cell.index, closed=True)]
+
+def _edges_of_band(cell: Cell) -> list[Bead]:
+    """The beads that follow the lower and the upper edge of a band all the way round, from below."""
+    period = cell.piece.outer[0].period
+    lines = [p for p in rings_at(cell, cell.inset) if abs(abs(p[-1, 0] - p[0, 0]) - period) < 1e-6 * period]
+    lines.sort(key=lambda p: float(p[:, 1].mean()))
+    return [Bead(points=p, kind=BeadKind.RING, piece=cell.index, closed=True) for p in lines]
 
 
 def _of_kind(bead: Bead, kind: BeadKind) -> Bead:

@@ -27,7 +27,7 @@ class Contours(Pattern):
         rounds: list[list[Bead]] = []
         inset = cell.inset
         while self.count is None or len(rounds) < self.count:
-            rings = _rings(cell, inset)
+            rings = rings_at(cell, inset)
             if not rings:
                 break
             rounds.append([Bead(points=r, kind=BeadKind.CONTOUR, piece=cell.index, closed=True) for r in rings])
@@ -40,7 +40,7 @@ class Contours(Pattern):
         return CellFill(beads=tuple(b for ring in rounds for b in ring), inset=inset, notes=notes)
 
 
-def _rings(cell: Cell, distance: float) -> list[Array]:
+def rings_at(cell: Cell, distance: float) -> list[Array]:
     """Closed lines (n, 2) at `distance` inside of the outline; on a full turn also those that go all the way round."""
     if not cell.piece.winds:
         inset = inset_piece(cell.piece, distance, chord=cell.chord)

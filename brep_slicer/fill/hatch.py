@@ -53,22 +53,11 @@ class Hatch(Pattern):
         _, across = directions(angle)
         number = np.round((points[:, 0] @ across - phase) / spacing).astype(int)
         along, _ = directions(angle)
-        order = np.lexsort((points[:, 0] @ along, number))
-        out = []
-        for i in order:
-            back = self.both_ways and number[i] % 2 == 1
-            line = points[i, ::-1] if back else points[i]
-            out.append(Bead(points=line, kind=BeadKind.HATCH, piece=cell.index, closed=closed[i]))
-        return tuple(_boustrophedon(out, number[order])) if self.both_ways else tuple(out)
-
-
-def _boustrophedon(beads: list[Bead], number: Array) -> list[Bead]:
-    """Several beads on a line that is run backwards come in backward order too."""
-    out: list[Bead] = []
-    for line in np.unique(number):
-        on_line = [beads[i] for i in np.flatnonzero(number == line)]
-        out += on_line[::-1] if line % 2 == 1 else on_line
-    return out
+        back = (number % 2 == 1) & self.both_ways
+        # several beads on a line that is run backwards come in backward order too
+        order = np.lexsort((points[:, 0] @ along * np.where(back, -1.0, 1.0), number))
+        run = np.where(back[:, None, None], points[:, ::-1], points)
+        return tuple(Bead(points=run[i], kind=BeadKind.HATCH, piece=cell.index, closed=closed[i]) for i in order.tolist())
 
 
 def _phase(cell: Cell, inset: Inset, points: Array, angle: float, spacing: float, k: int) -> float:

@@ -118,7 +118,7 @@ def fill_region(
     for index, piece in enumerate(region.pieces):
         cell = Cell(piece=piece, index=index, inset=inset, step_over=step_over, width=width, chord=chord)
         made = (pattern if isinstance(pattern, Pattern) else pattern(piece)).fill(cell)
-        long = [bead for bead in made.beads if bead.length() >= shortest_bead]
+        long = [bead for bead in made.beads if not shortest_bead or bead.length() >= shortest_bead]
         notes += [f"piece {index}: {note}" for note in made.notes]
         if len(long) < len(made.beads):
             notes.append(f"piece {index}: {len(made.beads) - len(long)} beads shorter than {shortest_bead:g} mm left out")

@@ -59,6 +59,6 @@ def _parts(bead: Bead) -> Iterator[tuple[Array, Array, tuple[bool, bool]]]:
     for i, angle in enumerate(turn.tolist(), start=1):
         total += angle
         if total > MOST_TURN:
-            yield points[begin : i + 1], speed[begin : i + 1], (begin == 0, False)
+            yield points[begin : i + 1], speed[begin : i + 1], (begin == 0 and not bead.closed, False)
             begin, total = i, 0.0
-    yield points[begin:], speed[begin:], (begin == 0, True)
+    yield points[begin:], speed[begin:], (begin == 0 and not bead.closed, not bead.closed)

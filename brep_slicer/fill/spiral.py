@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from shapely import Polygon
 
 # Points along a contour are no farther apart than this share of the step-over: the spiral's own bend between them is small.
-SPACING = 0.25
+SPACING = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -124,4 +124,9 @@ def _turn(outer: Array, inner: Array, spacing: float) -> Array:
         shapely.get_coordinates(shapely.line_interpolate_point(line, x * line.length))
         for line, x in zip(lines, (a, b), strict=True)
     ]
-    return (1.0 - share)[:, None] * points[0] + share[:, None] * points[1]
+    turn = (1.0 - share)[:, None] * points[0] + share[:, None] * points[1]
+    # at the outline's reflex corners a pair may look past the corner: nothing leaves the outer contour
+    lost = ~shapely.intersects(shapely.Polygon(outer), shapely.points(turn))
+    at = shapely.line_locate_point(lines[0], shapely.points(turn[lost]))
+    turn[lost] = shapely.get_coordinates(shapely.line_interpolate_point(lines[0], at))
+    return turn

@@ -125,3 +125,11 @@ def test_quadrics_keep_their_kind():
         c.kind.value for loops, _ in sections_by_analysis(solid, np.array([31.0, 40.0])) for loop in loops for c in loop.curves
     }
     assert kinds == {"line", "quadric"}
+
+
+def test_all_lands_of_a_gear_are_above_a_layer_or_none(fixture_step, real_step):
+    """Just 1e-9 mm below the tips, the rounding of ten equal radii left two lands of ten standing."""
+    part = bs.read_step(real_step("gear_spur_m5z10_f360.step"))
+    for radius in (30.0 - 1e-9, 29.999999999, 30.0 - 1.1e-9, 30.0 - 0.9e-9):
+        (layer,) = bs.slice_part(part, [radius])
+        assert len(layer.region.pieces) in (0, 10)

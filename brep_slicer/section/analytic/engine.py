@@ -9,7 +9,7 @@ import numpy as np
 
 from brep_slicer.curves import Loop
 from brep_slicer.errors import LayerError
-from brep_slicer.field import radial_gradient, radii_of
+from brep_slicer.field import SNAP, EdgeStretches, radial_gradient, radii_of
 from brep_slicer.geometry import Face
 from brep_slicer.maps import TURN, Array
 from brep_slicer.section.certificate import Certificate, Engine
@@ -33,7 +33,8 @@ MOST_JOG = 0.005
 def sections_by_analysis(solid: CutSolid, radii: Array) -> list[tuple[list[Loop], Certificate] | LayerError]:
     """Cut one solid at increasing radii (n,), mm."""
     brep, stretches = solid.brep, solid.stretches
-    radii = np.asarray(radii, dtype=np.float64)
+    asked = np.asarray(radii, dtype=np.float64)
+    radii = _off_the_edge(asked, stretches)
     nodes = find_nodes(brep, stretches, radii)
     hot = hot_layers(stretches.edge_level, radii)
     made: list[FaceArcs] = []
@@ -44,7 +45,27 @@ def sections_by_analysis(solid: CutSolid, radii: Array) -> list[tuple[list[Loop]
         known, rest = _arcs_on_face(solid, face, nodes_on_face(face, nodes), radii, hot)
         made += known
         traced += rest
-    return _assembled(solid, radii, nodes, [*made, *arcs_on_traced_faces(traced, radii)])
+    found = _assembled(solid, radii, nodes, [*made, *arcs_on_traced_faces(traced, radii)])
+    for i in np.flatnonzero(radii != asked).tolist():
+        section = found[i]
+        if not isinstance(section, LayerError):
+            found[i] = [loop.on_radius(float(asked[i])) for loop in section[0]], section[1]
+    return found
+
+
+def _off_the_edge(radii: Array, stretches: EdgeStretches) -> Array:
+    """Radii moved by less than SNAP where R + SNAP falls on an effective radius.
+
+    There the rounding of equal radii (the lands of a gear's teeth) would decide which of them count as above the layer.
+    """
+    marks = np.concatenate([stretches.vertex_rho, stretches.face_level, stretches.edge_level])
+    marks = np.unique(marks[np.isfinite(marks)])
+    out = radii.copy()
+    for _ in range(6):
+        after = np.clip(np.searchsorted(marks, out + SNAP), 0, len(marks) - 1)
+        gap = np.minimum(np.abs(marks[after] - out - SNAP), np.abs(marks[np.maximum(after - 1, 0)] - out - SNAP))
+        out = np.where(gap < 0.05 * SNAP, out + 0.15 * SNAP, out)
+    return np.maximum.accumulate(out)
 
 
 def _arcs_on_face(

@@ -113,5 +113,22 @@ def test_patterns_from_the_command(fixture_step, tmp_path):
     from brep_slicer.cli import app
 
     words = ["plan", str(fixture_step("keyed_band")), "-t", "2", "-d", "3", "--layers", "0:1", "-o", str(tmp_path)]
-    for name in ("hatch", "zigzag", "flank", "rings", "helix"):
-        assert CliRunner().invoke(app, [*words, "--pattern", name]).exit_code == 0
+    for pattern in bs.InnerPattern:
+        done = CliRunner().invoke(app, [*words, "--pattern", pattern.value, "--fit", "on", "--order", "shortest"])
+        assert done.exit_code == 0, done.output
+
+
+def test_proof_from_the_command(fixture_step, tmp_path):
+    import json
+
+    from typer.testing import CliRunner
+
+    from brep_slicer.cli import app
+
+    words = ["plan", str(fixture_step("helical_gear_tooth")), "-t", "1.4", "-d", "3.4", "--layers", "0:2", "-o", str(tmp_path)]
+    done = CliRunner().invoke(app, [*words, "--pattern", "flank", "--fit", "on", "--even-height", "--proof"])
+    assert done.exit_code == 0, done.output
+    report = json.loads((tmp_path / "report.json").read_text())
+    assert len(report["proof"]) == 2
+    assert report["proof"][0]["bare_share"] < 0.005
+    assert (tmp_path / "proof.png").stat().st_size > 10_000

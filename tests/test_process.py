@@ -6,6 +6,7 @@ import math
 
 import pytest
 
+import brep_slicer as bs
 from brep_slicer import InputError, Process, read_process
 from brep_slicer.process import LastLayer
 
@@ -62,3 +63,18 @@ def test_bad_toml_is_one_clear_line(tmp_path, text, said):
         read_process(path)
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_the_metal_balance_of_the_paper():
+    # Table 3: t = 1.4 mm, d = 3.4 mm, 9 mm/s; with 7.99 g/cm**3 and 0.4 g/s of powder the catchment is 0.86
+    process = bs.Process(layer_thickness=1.4, step_over=3.4, powder_density_g_cm3=7.99, powder_feed_g_s=0.4)
+    assert process.catchment == pytest.approx(1.4 * 3.4 * 9.0 * 7.99e-3 / 0.4)
+    assert process.catchment == pytest.approx(0.86, abs=0.005)
+    with pytest.raises(bs.InputError, match="times the powder that is fed"):
+        bs.Process(layer_thickness=1.4, step_over=3.4, powder_density_g_cm3=7.99, powder_feed_g_s=0.1)
+    assert bs.Process(layer_thickness=1.4, step_over=3.4).catchment is None
+
+
+def test_fit_says_where_the_outermost_bead_runs():
+    for fit, inset in ((bs.Fit.IN, 2.45), (bs.Fit.ON, 0.0), (bs.Fit.OUT, -2.45)):
+        assert bs.Process(layer_thickness=1.4, step_over=3.4, bead_width=4.9, fit=fit).value("inset") == pytest.approx(inset)

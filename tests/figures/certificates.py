@@ -67,7 +67,7 @@ def judge(solid: CutSolid, radii: Array) -> dict[str, float]:
     closure = closure_of(solid.brep)
     leak = closure.defect * closure.volume / float(np.linalg.norm(np.ptp(solid.brep.vertices, axis=0)))
     for i in chosen.astype(int):
-        # the faces' gaps along the outline are the file's, not the section's (at grazing angles they reach as far as the certificate
+        # the faces' gaps along the outline are the file's, not the section's (at grazing angles, as far as the certificate
         # says); so is what the flux loses where the faces do not close
         reach = max(2.0 * float(solid.gaps.max()), float(found[i][1].checks["jog_allowed_mm"]))
         allowed = 1e-6 * scale + reach * lengths[i] + leak

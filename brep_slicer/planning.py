@@ -24,11 +24,13 @@ from brep_slicer.fill import (
     Zigzag,
     fill_region,
     in_short_order,
+    with_overlap,
     with_speed_by_spacing,
+    with_spread_starts,
 )
 from brep_slicer.part import Part, as_part
 from brep_slicer.process import InnerPattern, Order, Process
-from brep_slicer.region import FailedLayer, Layer, slice_solids
+from brep_slicer.region import FailedLayer, Layer, Region, features_of, slice_solids
 from brep_slicer.section import CutSolid, Engine, cut_solids
 from brep_slicer.substrate.axis import Axis, find_axis
 from brep_slicer.substrate.layers import LayerStack, stack_layers
@@ -141,7 +143,7 @@ def plan(
     fills = tuple(fill_layer(layer, process) for layer in cut)
     _check_beads(part, process, cut, fills)
     standing = obstacles_of([s.brep for s in solids if s.index in chosen.solids], chosen.radius)
-    toolpath = lift_layers(_deposits(cut, fills, stack), motion_of(process), axis, standing)
+    toolpath = lift_layers(_deposits(cut, fills, stack, process.by_feature), motion_of(process), axis, standing)
     return Plan(
         part=part,
         process=process,
@@ -198,12 +200,12 @@ def _cut(
 def pattern_of(process: Process, layer: int) -> Pattern:
     """The pattern that a process asks for on layer number `layer`."""
     patterns: list[Pattern] = []
-    if process.contours:
+    if process.contours and (layer % process.contours_every == 0 or not process.hatch):
         patterns.append(Contours(count=process.contours))
     if process.hatch:
         angle = process.hatch_angle(layer)
         inner: dict[InnerPattern, Pattern] = {
-            InnerPattern.HATCH: Hatch(angle=angle, both_ways=process.both_ways),
+            InnerPattern.HATCH: Hatch(angle=angle, both_ways=process.both_ways, stretch=process.stretch),
             InnerPattern.ZIGZAG: Zigzag(angle=angle),
             InnerPattern.FLANK: FlankFollowing(both_ways=process.both_ways),
             InnerPattern.CONTOURS: PatternSequence(patterns=(Contours(count=None), Skeleton())),
@@ -231,20 +233,38 @@ def fill_layer(layer: Layer | FailedLayer, process: Process) -> LayerFill:
         chord=process.value("chord"),
         shortest_bead=process.value("shortest_bead"),
     )
+    if process.spread_starts:
+        fill = replace(fill, beads=with_spread_starts(fill.beads, layer.index))
     if process.order is Order.SHORTEST:
         fill = replace(fill, beads=in_short_order(fill.beads, layer.region.period))
+    if process.alternate and layer.index % 2 == 1:
+        fill = replace(fill, beads=tuple(bead.reversed() for bead in fill.beads[::-1]))
     if process.speed_follows_spacing and fill.beads:
         limits = (process.slowest, process.fastest)
         beads = with_speed_by_spacing(fill.beads, step_over=process.step_over, limits=limits, period=layer.region.period)
         fill = replace(fill, beads=beads)
-    return fill
+    return replace(fill, beads=with_overlap(fill.beads, process.closing_overlap))
 
 
-def _deposits(layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill], stack: LayerStack) -> list[DepositLayer]:
-    return [
+def _deposits(
+    layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill], stack: LayerStack, by_feature: bool
+) -> list[DepositLayer]:
+    """The beads in the order of deposition: layer by layer, or one feature after the other."""
+    made = [
         DepositLayer(index=layer.index, radius=layer.radius, thickness=stack.thicknesses[layer.index], beads=fill.beads)
         for layer, fill in zip(layers, fills, strict=True)
     ]
+    if not by_feature:
+        return made
+    whole = [layer.region if isinstance(layer, Layer) else Region(radius=layer.radius) for layer in layers]
+    features = features_of(whole)
+    count = 1 + max((n for numbers in features for n in numbers), default=-1)
+    parts = [
+        replace(layer, beads=tuple(bead for bead in layer.beads if numbers[bead.piece] == feature))
+        for feature in range(count)
+        for layer, numbers in zip(made, features, strict=True)
+    ]
+    return [part for part in parts if part.beads]
 
 
 def motion_of(process: Process) -> Motion:
@@ -256,6 +276,8 @@ def motion_of(process: Process) -> Motion:
         hop_length=process.value("hop_length"),
         chord=process.value("chord"),
         margin=0.5 * process.width,
+        lead_in=process.lead_in,
+        lead_out=process.lead_out,
     )
 
 

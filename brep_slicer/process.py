@@ -94,6 +94,20 @@ class Process:
     speed_follows_spacing : bool
         Beads that come nearer to their neighbours are laid faster, so that the height stays t; between `slowest` and `fastest`
         times the deposition speed.
+    stretch : float
+        By what share of d hatch spacings may differ from it so that a piece's width is filled exactly; 0: not at all.
+    contours_every : int
+        Contours on every so many layers only, against slumping edges: 1 on all of them.
+    alternate : bool
+        Every second layer is laid backwards, last bead first.
+    by_feature : bool
+        Each feature (a tooth: pieces that stay connected from layer to layer) is built whole before the next one.
+    spread_starts : bool
+        Closed beads start at other places from ring to ring and layer to layer.
+    closing_overlap : float
+        How far closed beads go on over their own start, mm.
+    lead_in, lead_out : float
+        The nozzle runs this far straight towards a bead's start and on from its end at deposition speed, laser off, mm.
     order : Order
         Beads in the pattern's order, or in one that shortens travels.
     cut_at : CutAt
@@ -112,6 +126,14 @@ class Process:
     inset: float | None = None
     fit: Fit = Fit.IN
     overlap: float | None = None
+    stretch: float = 0.0
+    contours_every: int = 1
+    alternate: bool = False
+    by_feature: bool = False
+    spread_starts: bool = False
+    closing_overlap: float = 0.0
+    lead_in: float = 0.0
+    lead_out: float = 0.0
     order: Order = Order.PATTERN
     contours: int = 0
     hatch: bool = True
@@ -149,12 +171,16 @@ class Process:
                 object.__setattr__(self, name, _positive(name, value))
         if self.inset is not None:
             object.__setattr__(self, "inset", _finite("inset", self.inset))
-        for name in ("overlap", "shortest_bead", "hop_length"):
+        for name in ("overlap", "shortest_bead", "hop_length", "closing_overlap", "lead_in", "lead_out"):
             value = getattr(self, name)
             if value is not None and not (_finite(name, value) >= 0.0):
                 raise InputError(f"{name} is {value:g} mm; it must be zero or more")
         if not 0.0 < _finite("slowest", self.slowest) <= 1.0 <= _finite("fastest", self.fastest):
             raise InputError(f"slowest and fastest are {self.slowest:g} and {self.fastest:g}; 1 must lie between them")
+        if not 0.0 <= _finite("stretch", self.stretch) < 0.5:
+            raise InputError(f"stretch is {self.stretch:g}; it must be at least 0 and less than 0.5 (a share of the step-over)")
+        if self.contours_every < 1:
+            raise InputError(f"contours_every is {self.contours_every}; it must be 1 or more")
         if self.contours < 0:
             raise InputError(f"contours is {self.contours}; it must be zero or more")
         if self.contours == 0 and not self.hatch:
@@ -331,13 +357,13 @@ def _from_plain(name: str, value: Any, source: str) -> Any:
         return tuple(math.radians(_finite(name, a)) for a in listed)
     if name == "hatch_angle_step":
         return math.radians(_finite(name, value))
-    if name in ("both_ways", "hatch", "speed_follows_spacing"):
+    if name in ("both_ways", "hatch", "speed_follows_spacing", "alternate", "by_feature", "spread_starts"):
         if not isinstance(value, bool):
             raise InputError(f"{source}: {name} is {value!r}; it must be true or false")
         return value
-    if name == "contours":
+    if name in ("contours", "contours_every"):
         if not isinstance(value, int) or isinstance(value, bool):
-            raise InputError(f"{source}: contours is {value!r}; it must be a whole number")
+            raise InputError(f"{source}: {name} is {value!r}; it must be a whole number")
         return value
     return tuple(value) if isinstance(value, list) else value
 

@@ -132,3 +132,54 @@ def test_proof_from_the_command(fixture_step, tmp_path):
     assert len(report["proof"]) == 2
     assert report["proof"][0]["bare_share"] < 0.005
     assert (tmp_path / "proof.png").stat().st_size > 10_000
+
+
+def test_each_tooth_is_built_whole_before_the_next(fixture_step):
+    part = bs.read_step(fixture_step("propeller"))
+    process = bs.Process(layer_thickness=8.0, step_over=3.4, by_feature=True)
+    plan = bs.plan(part, process)
+    layer_by_layer = bs.plan(part, process.updated(by_feature=False))
+    # three blades: the layers rise three times
+    path = plan.toolpath
+    assert (np.diff(path.layer) < 0).sum() == 2
+    assert path.segment_lengths()[path.deposits].sum() == pytest.approx(
+        layer_by_layer.toolpath.segment_lengths()[layer_by_layer.toolpath.deposits].sum(), rel=1e-9
+    )
+    # a travel to the next blade clears the blade that stands: nothing moves lower than what was built before
+    top = 0.0
+    rho = np.hypot(*plan.axis.axis_from_file(path.points)[:, :2].T)
+    for i in np.flatnonzero(np.diff(path.layer) < 0) + 1:
+        top = max(top, float(path.radius[:i][path.deposits[:i]].max()))
+        assert rho[i : i + 2].max() > top
+
+
+def test_a_stretched_hatch_fills_the_width():
+    loose, exact = (fill_region(box(), Hatch(angle=0.5 * math.pi, stretch=s), **ARGS) for s in (0.0, 0.2))
+    free = 25.0 - W
+    for fill, outermost in ((loose, free - math.floor(free / D) * D), (exact, 0.0)):
+        kappa = np.sort([b.points[0, 0] for b in fill.beads])
+        assert kappa[0] + 10.0 - 0.5 * W == pytest.approx(0.5 * outermost, abs=0.02)
+    assert exact.step_over[0] == pytest.approx(free / round(free / D), rel=2e-3)
+    assert fill_region(box(), Hatch(angle=0.5 * math.pi, stretch=0.001), **ARGS).step_over == (D,)
+
+
+def test_alternate_layers_run_backwards_and_contours_come_every_so_many(fixture_step):
+    process = bs.Process(layer_thickness=1.4, step_over=3.4, alternate=True, contours=1, contours_every=3)
+    plan = bs.plan(bs.read_step(fixture_step("spur_gear_tooth")), process, layers=(0, 6))
+    kinds = [{b.kind.value for b in fill.beads} for fill in plan.fills]
+    assert ["contour" in k for k in kinds] == [True, False, False, True, False, False]
+    first, second = plan.fills[1].beads[0].points[0], plan.fills[2].beads[0].points[0]
+    assert first[1] > 30.0 > second[1] or first[1] < 30.0 < second[1]
+
+
+def test_closed_beads_start_elsewhere_and_overlap_themselves(fixture_step):
+    process = bs.Process(layer_thickness=1.4, step_over=3.4, contours=1, spread_starts=True, closing_overlap=4.0)
+    part = bs.read_step(fixture_step("spur_gear_tooth"))
+    plain, made = (
+        bs.plan(part, p, layers=(0, 4)) for p in (process.updated(spread_starts=False, closing_overlap=0.0), process)
+    )
+    starts = []
+    for before, after in zip(plain.fills, made.fills, strict=True):
+        assert after.beads[0].length() == pytest.approx(before.beads[0].length() + 4.0, rel=1e-6)
+        starts.append(after.beads[0].points[0] - before.beads[0].points[0])
+    assert len(np.unique(np.round(starts, 1), axis=0)) == 4

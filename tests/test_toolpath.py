@@ -161,3 +161,18 @@ def test_lengths_and_times_add_up(tooth_plan):
     beads = [b.length() for fill in tooth_plan.fills for b in fill.beads]
     assert report["totals"]["deposition_length_mm"] == pytest.approx(sum(beads), rel=1e-9)
     assert report["totals"]["deposition_time_s"] == pytest.approx(sum(beads) / 9.0, rel=1e-9)
+
+
+def test_leads_run_straight_on_with_the_laser_off(tooth_plan):
+    process = tooth_plan.process.updated(lead_in=3.0, lead_out=2.0)
+    led = bs.plan(tooth_plan.part, process)
+    plain, path = tooth_plan.toolpath, led.toolpath
+    assert path.segment_lengths()[path.deposits].sum() == pytest.approx(
+        plain.segment_lengths()[plain.deposits].sum(), rel=1e-12
+    )
+    # laser off, at deposition speed: 5 mm a bead
+    beads = len(np.unique(path.bead))
+    runs = ~path.deposits & (path.speed == process.value("deposition_speed_mm_s"))
+    flat = np.concatenate([[0.0], np.hypot(np.diff(path.kappa), np.diff(path.v))])
+    assert flat[runs].sum() == pytest.approx(5.0 * beads, rel=1e-9)
+    assert not (runs & (np.abs(path.radius - np.round(path.radius, 6)) > 1e-6)).any()

@@ -5,6 +5,7 @@ In: a region, a pattern, the step-over. Out: beads in (kappa, v), in the order o
 
 from .bead import Bead, BeadKind, LayerFill
 from .cladding import Helix, Rings
+from .closing import with_overlap, with_spread_starts
 from .contours import Contours
 from .flank import FlankFollowing, flank_direction
 from .hatch import Hatch
@@ -34,5 +35,7 @@ __all__ = [
     "fill_region",
     "flank_direction",
     "in_short_order",
+    "with_overlap",
     "with_speed_by_spacing",
+    "with_spread_starts",
 ]

@@ -25,10 +25,13 @@ class Hatch(Pattern):
     """Parallel beads at `angle` (rad, counter-clockwise from +kappa seen from outside), one way or both ways.
 
     The lines are centred on the piece, so that they turn with it; on a full turn they close by the rule of `full_turn`.
+    With `stretch` (a share of the step-over), spacings may be that much wider or narrower so that the outermost lines lie at
+    the inset on both sides; where that is not enough, the step-over stays.
     """
 
     angle: float = 0.0
     both_ways: bool = True
+    stretch: float = 0.0
 
     def fill(self, cell: Cell) -> CellFill:
         inset = inset_piece(cell.piece, cell.inset, chord=cell.chord)
@@ -39,6 +42,8 @@ class Hatch(Pattern):
         else:
             angle, spacing, k = self.angle, cell.step_over, 0
         starts, ends = edges_of(inset.polygons)
+        if self.stretch and not cell.piece.winds:
+            spacing = _stretched(starts, angle, spacing, self.stretch)
         phase = _phase(cell, inset, starts, angle, spacing, k)
         stretches = cut_lines(starts, ends, angle=angle, spacing=spacing, phase=phase)
         lines = join_across_seam(stretches, inset, k) if cell.piece.winds else [(p, False) for p in stretches.points]
@@ -58,6 +63,15 @@ class Hatch(Pattern):
         order = np.lexsort((points[:, 0] @ along * np.where(back, -1.0, 1.0), number))
         run = np.where(back[:, None, None], points[:, ::-1], points)
         return tuple(Bead(points=run[i], kind=BeadKind.HATCH, piece=cell.index, closed=closed[i]) for i in order.tolist())
+
+
+def _stretched(points: Array, angle: float, spacing: float, most: float) -> float:
+    """The spacing next to d that divides the piece's extent across the lines, or d itself if it is too far off."""
+    _, across = directions(angle)
+    width = float(np.ptp(points @ across))
+    count = max(1, round(width / spacing))
+    # a hair less than the whole, so that rounding loses no line
+    return width / count * (1.0 - 1e-9) if abs(width / count / spacing - 1.0) <= most else spacing
 
 
 def _phase(cell: Cell, inset: Inset, points: Array, angle: float, spacing: float, k: int) -> float:

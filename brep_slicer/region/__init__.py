@@ -3,6 +3,7 @@
 In: the loops of every solid's section. Out: regions (nested pieces with exact areas) and layers.
 """
 
+from .features import features_of
 from .layer import FailedLayer, Layer
 from .overlay import difference_of_regions, union_of_regions
 from .pieces import Piece
@@ -15,6 +16,7 @@ __all__ = [
     "Piece",
     "Region",
     "difference_of_regions",
+    "features_of",
     "polygon_from_piece",
     "region_from_loops",
     "slice_part",

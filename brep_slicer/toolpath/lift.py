@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from brep_slicer.fill import Bead
 from brep_slicer.maps import TURN, Array, cartesian_from_flat, normals_from_flat
@@ -35,7 +36,8 @@ class DepositLayer:
 class Motion:
     """How the nozzle moves: speeds in mm/s; clearance, hop_length, chord and margin in mm.
 
-    `margin` is how far beside its path a travel looks for what stands in its way (half a bead width, say).
+    `margin` is how far beside its path a travel looks for what stands in its way (half a bead width, say). Before a bead the
+    nozzle runs `lead_in` mm straight towards its start, after it `lead_out` mm straight on, at deposition speed, laser off.
     """
 
     deposition_speed: float
@@ -44,6 +46,8 @@ class Motion:
     hop_length: float
     chord: float
     margin: float
+    lead_in: float = 0.0
+    lead_out: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -56,36 +60,56 @@ class _Rows:
     flat: Array
     radius: Array
     order: Array
-    factor: Array
+    speed: Array
 
 
 def lift_layers(layers: Sequence[DepositLayer], motion: Motion, axis: Axis, obstacles: Obstacles) -> Toolpath:
     """The whole toolpath, in the file's frame: approach, every bead with the travel to it, retract at the end."""
-    table = _BeadTable(layers)
+    table = _BeadTable(layers, motion)
     if not len(table.starts):
         none = np.zeros(0)
         rows = _Rows(
-            layer=none, bead=none, deposits=none.astype(bool), flat=np.zeros((0, 2)), radius=none, order=none, factor=none
+            layer=none, bead=none, deposits=none.astype(bool), flat=np.zeros((0, 2)), radius=none, order=none, speed=none
         )
-        return _toolpath(rows, motion, axis)
-    return _toolpath(_merged(_bead_rows(table, motion), _travel_rows(table, motion, obstacles)), motion, axis)
+        return _toolpath(rows, axis)
+    return _toolpath(_merged(_bead_rows(table, motion), _travel_rows(table, motion, obstacles)), axis)
 
 
 class _BeadTable:
-    """All beads of all layers side by side: points, where each begins, its layer's figures."""
+    """All beads of all layers side by side, with their leads: points, where each begins, its layer's figures.
 
-    def __init__(self, layers: Sequence[DepositLayer]) -> None:
+    `lead` marks the points that are a bead's lead-in or lead-out: the segments that touch them are not deposited.
+    """
+
+    def __init__(self, layers: Sequence[DepositLayer], motion: Motion) -> None:
         beads = [(layer, bead) for layer in layers for bead in layer.beads]
-        counts = np.array([len(bead.points) for _, bead in beads], dtype=int)
-        self.points = np.concatenate([np.zeros((0, 2)), *(bead.points for _, bead in beads)])
-        factors = [np.ones(len(bead.points)) if bead.speed is None else bead.speed for _, bead in beads]
-        self.factor = np.concatenate([np.zeros(0), *factors])
+        runs = [_with_leads(bead, motion) for _, bead in beads]
+        counts = np.array([len(points) for points, _, _ in runs], dtype=int)
+        self.points = np.concatenate([np.zeros((0, 2)), *(points for points, _, _ in runs)])
+        self.factor = np.concatenate([np.zeros(0), *(factor for _, factor, _ in runs)])
+        self.lead = np.concatenate([np.zeros(0, dtype=bool), *(lead for _, _, lead in runs)])
         self.bead = np.repeat(np.arange(len(beads)), counts)
         self.layer = np.array([layer.index for layer, _ in beads], dtype=int)
         self.radius = np.array([layer.radius for layer, _ in beads])
         self.thickness = np.array([layer.thickness for layer, _ in beads])
         last = np.cumsum(counts)
         self.starts, self.ends = self.points[last - counts], self.points[last - 1]
+
+
+def _with_leads(bead: Bead, motion: Motion) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """A bead's points, speed factors and which points are leads, straight on at both ends."""
+    points = bead.points
+    factor = np.ones(len(points)) if bead.speed is None else bead.speed
+    lead = np.zeros(len(points), dtype=bool)
+    for length, end, beside in ((motion.lead_in, 0, 1), (motion.lead_out, -1, -2)):
+        if length > 0.0:
+            way = points[end] - points[beside]
+            added = (points[end] + length / max(float(np.hypot(*way)), 1e-300) * way)[None]
+            both = (added, points) if end == 0 else (points, added)
+            points = np.concatenate(both)
+            factor = np.concatenate([[1.0], factor] if end == 0 else [factor, [1.0]])
+            lead = np.concatenate([[True], lead] if end == 0 else [lead, [True]])
+    return points, factor, lead
 
 
 def _most_turn(radius: Array, chord: float) -> Array:
@@ -108,9 +132,11 @@ def _bead_rows(table: _BeadTable, motion: Motion) -> _Rows:
     bead = np.concatenate([np.arange(count), of[segment]])
     flat = np.concatenate([table.starts, between])
     # a bead's first point ends the travel to it
-    deposits = np.concatenate([np.zeros(count, dtype=bool), np.ones(len(between), dtype=bool)])
+    laid = ~(table.lead[inside] | table.lead[inside + 1])
+    deposits = np.concatenate([np.zeros(count, dtype=bool), laid[segment]])
     # a segment is laid at the mean of what is asked for at its two ends
-    factor = np.concatenate([np.ones(count), 0.5 * (table.factor[inside] + table.factor[inside + 1])[segment]])
+    factor = np.where(laid, 0.5 * (table.factor[inside] + table.factor[inside + 1]), 1.0)
+    speed = np.concatenate([np.full(count, motion.travel_speed), motion.deposition_speed * factor[segment]])
     order = np.concatenate([np.zeros(count), 1.0 + np.arange(len(between))])
     return _Rows(
         layer=table.layer[bead],
@@ -119,7 +145,7 @@ def _bead_rows(table: _BeadTable, motion: Motion) -> _Rows:
         flat=flat,
         radius=table.radius[bead],
         order=order,
-        factor=factor,
+        speed=speed,
     )
 
 
@@ -154,7 +180,7 @@ def _travel_rows(table: _BeadTable, motion: Motion, obstacles: Obstacles) -> _Ro
         flat=flat,
         radius=radius,
         order=order,
-        factor=np.ones(len(bead)),
+        speed=np.full(len(bead), motion.travel_speed),
     )
 
 
@@ -165,8 +191,8 @@ def _end_height(table: _BeadTable, motion: Motion) -> float:
 def _heights(table: _BeadTable, theta0: Array, turn: Array, motion: Motion, obstacles: Obstacles) -> Array:
     """Radius (mm) of the cylinder that each travel moves on; the sagitta of its chords is on top."""
     built = np.maximum((table.radius + table.thickness)[:-1], (table.radius + table.thickness)[1:])
-    # what was built before stands too, on a layer list that does not rise
-    built = np.maximum(built, np.maximum.accumulate(table.radius)[:-1])
+    # what was built before stands too, where layers do not rise from bead to bead (one feature built after another)
+    built = np.maximum(built, np.maximum.accumulate(table.radius + table.thickness)[:-1])
     start = np.stack([theta0, table.ends[:-1, 1]], axis=1)
     end = np.stack([theta0 + turn, table.starts[1:, 1]], axis=1)
     standing = obstacles.highest(start, end, motion.margin, float(table.radius.min()))
@@ -179,14 +205,14 @@ def _heights(table: _BeadTable, theta0: Array, turn: Array, motion: Motion, obst
 def _merged(beads: _Rows, travels: _Rows) -> _Rows:
     both = [
         np.concatenate([getattr(beads, name), getattr(travels, name)])
-        for name in ("layer", "bead", "deposits", "flat", "radius", "order", "factor")
+        for name in ("layer", "bead", "deposits", "flat", "radius", "order", "speed")
     ]
     index = np.lexsort((both[5], both[1]))
-    layer, bead, deposits, flat, radius, order, factor = (column[index] for column in both)
-    return _Rows(layer=layer, bead=bead, deposits=deposits, flat=flat, radius=radius, order=order, factor=factor)
+    layer, bead, deposits, flat, radius, order, speed = (column[index] for column in both)
+    return _Rows(layer=layer, bead=bead, deposits=deposits, flat=flat, radius=radius, order=order, speed=speed)
 
 
-def _toolpath(rows: _Rows, motion: Motion, axis: Axis) -> Toolpath:
+def _toolpath(rows: _Rows, axis: Axis) -> Toolpath:
     return Toolpath(
         layer=rows.layer.astype(np.int64),
         bead=rows.bead.astype(np.int64),
@@ -196,5 +222,5 @@ def _toolpath(rows: _Rows, motion: Motion, axis: Axis) -> Toolpath:
         kappa=rows.flat[:, 0].copy(),
         v=rows.flat[:, 1].copy(),
         radius=rows.radius.astype(float),
-        speed=np.where(rows.deposits, motion.deposition_speed * rows.factor, motion.travel_speed),
+        speed=rows.speed,
     )

@@ -23,6 +23,7 @@ from brep_slicer.fill import (
     Spiral,
     Zigzag,
     fill_region,
+    in_cool_order,
     in_short_order,
     with_overlap,
     with_speed_by_spacing,
@@ -237,6 +238,8 @@ def fill_layer(layer: Layer | FailedLayer, process: Process) -> LayerFill:
         fill = replace(fill, beads=with_spread_starts(fill.beads, layer.index))
     if process.order is Order.SHORTEST:
         fill = replace(fill, beads=in_short_order(fill.beads, layer.region.period))
+    if process.rest_s:
+        fill = _cooled(fill, process)
     if process.alternate and layer.index % 2 == 1:
         fill = replace(fill, beads=tuple(bead.reversed() for bead in fill.beads[::-1]))
     if process.speed_follows_spacing and fill.beads:
@@ -244,6 +247,14 @@ def fill_layer(layer: Layer | FailedLayer, process: Process) -> LayerFill:
         beads = with_speed_by_spacing(fill.beads, step_over=process.step_over, limits=limits, period=layer.region.period)
         fill = replace(fill, beads=beads)
     return replace(fill, beads=with_overlap(fill.beads, process.closing_overlap))
+
+
+def _cooled(fill: LayerFill, process: Process) -> LayerFill:
+    """The beads in an order that lets neighbours cool, and a note where it cannot."""
+    speeds = float(process.value("deposition_speed_mm_s")), float(process.value("travel_speed_mm_s"))
+    made = in_cool_order(fill.beads, step_over=process.step_over, rest=process.rest_s, speed=speeds[0], travel_speed=speeds[1])
+    note = f"{made.too_soon} beads start beside one that ended less than {process.rest_s:g} s ago"
+    return replace(fill, beads=made.beads, notes=(*fill.notes, note) if made.too_soon else fill.notes)
 
 
 def _deposits(

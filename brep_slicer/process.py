@@ -102,6 +102,9 @@ class Process:
         Every second layer is laid backwards, last bead first.
     by_feature : bool
         Each feature (a tooth: pieces that stay connected from layer to layer) is built whole before the next one.
+    rest_s : float
+        No bead starts beside one that ended less than this many seconds ago, as far as an order can do it; the notes say where
+        it cannot.
     spread_starts : bool
         Closed beads start at other places from ring to ring and layer to layer.
     closing_overlap : float
@@ -130,6 +133,7 @@ class Process:
     contours_every: int = 1
     alternate: bool = False
     by_feature: bool = False
+    rest_s: float = 0.0
     spread_starts: bool = False
     closing_overlap: float = 0.0
     lead_in: float = 0.0
@@ -171,7 +175,7 @@ class Process:
                 object.__setattr__(self, name, _positive(name, value))
         if self.inset is not None:
             object.__setattr__(self, "inset", _finite("inset", self.inset))
-        for name in ("overlap", "shortest_bead", "hop_length", "closing_overlap", "lead_in", "lead_out"):
+        for name in ("overlap", "shortest_bead", "hop_length", "closing_overlap", "lead_in", "lead_out", "rest_s"):
             value = getattr(self, name)
             if value is not None and not (_finite(name, value) >= 0.0):
                 raise InputError(f"{name} is {value:g} mm; it must be zero or more")

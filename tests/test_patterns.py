@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 
 import brep_slicer as bs
 from brep_slicer.curves import LineCurve, Loop
-from brep_slicer.fill import Contours, FlankFollowing, Hatch, Helix, PatternSequence, Rings, Zigzag, fill_region
+from brep_slicer.fill import Contours, FlankFollowing, Hatch, Helix, PatternSequence, Rings, Zigzag, fill_region, in_cool_order
 from brep_slicer.fill.distance import Outline
 from brep_slicer.region import region_from_loops
 
-from .test_fill import ARGS, REGIONS, TURN, D, R, W, along, band, box
+from .test_fill import ARGS, REGIONS, TURN, D, R, W, along, band, box, rectangle
 
 Z = bs.axis_from_text("Z")
 PATTERNS = {
@@ -183,3 +183,19 @@ def test_closed_beads_start_elsewhere_and_overlap_themselves(fixture_step):
         assert after.beads[0].length() == pytest.approx(before.beads[0].length() + 4.0, rel=1e-6)
         starts.append(after.beads[0].points[0] - before.beads[0].points[0])
     assert len(np.unique(np.round(starts, 1), axis=0)) == 4
+
+
+def test_no_bead_is_laid_beside_a_hot_one():
+    beads = fill_region(rows(12), Hatch(angle=0.5 * math.pi, both_ways=False), **ARGS).beads
+    plain = in_cool_order(beads, step_over=D, rest=0.0, speed=9.0, travel_speed=50.0)
+    cool = in_cool_order(beads, step_over=D, rest=8.0, speed=9.0, travel_speed=50.0)
+    assert plain.shortest_rest < 1.0
+    assert cool.too_soon == 0
+    assert cool.shortest_rest >= 8.0
+    assert {id(b) for b in cool.beads} == {id(b) for b in beads}
+    # a rest that no order can give is said
+    assert in_cool_order(beads, step_over=D, rest=1e4, speed=9.0, travel_speed=50.0).too_soon > 0
+
+
+def rows(count):
+    return region_from_loops(R, [rectangle(0.0, 0.0, W + (count - 1) * D + 0.1, 30.0)])

@@ -7,6 +7,7 @@ from .bead import Bead, BeadKind, LayerFill
 from .cladding import Helix, Rings
 from .closing import with_overlap, with_spread_starts
 from .contours import Contours
+from .cooling import CooledOrder, in_cool_order
 from .flank import FlankFollowing, flank_direction
 from .hatch import Hatch
 from .order import in_short_order
@@ -22,6 +23,7 @@ __all__ = [
     "Cell",
     "CellFill",
     "Contours",
+    "CooledOrder",
     "FlankFollowing",
     "Hatch",
     "Helix",
@@ -34,6 +36,7 @@ __all__ = [
     "Zigzag",
     "fill_region",
     "flank_direction",
+    "in_cool_order",
     "in_short_order",
     "with_overlap",
     "with_speed_by_spacing",

@@ -6,6 +6,7 @@ In: a cell. Out: beads that end at the cell's inset from the exact outline.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,24 +35,51 @@ class Hatch(Pattern):
     stretch: float = 0.0
 
     def fill(self, cell: Cell) -> CellFill:
-        inset = inset_piece(cell.piece, cell.inset, chord=cell.chord)
-        if inset.is_empty:
-            return CellFill(beads=(), inset=cell.inset, angle=self.angle, step_over=cell.step_over)
-        if cell.piece.winds:
-            angle, spacing, k = closing_lines(inset.period, self.angle, cell.step_over)
-        else:
-            angle, spacing, k = self.angle, cell.step_over, 0
+        return self.fill_all([cell])[0]
+
+    def fill_all(self, cells: Sequence[Cell]) -> list[CellFill]:
+        """All pieces of a layer that do not wind are cut by their lines at once."""
+        insets = [inset_piece(cell.piece, cell.inset, chord=cell.chord) for cell in cells]
+        out = [CellFill(beads=(), inset=cell.inset, angle=self.angle, step_over=cell.step_over) for cell in cells]
+        flat = [i for i, cell in enumerate(cells) if not cell.piece.winds and not insets[i].is_empty]
+        for i, cell in enumerate(cells):
+            if cell.piece.winds and not insets[i].is_empty:
+                out[i] = self._round(cell, insets[i])
+        if not flat:
+            return out
+        edges = [edges_of(insets[i].polygons) for i in flat]
+        spacing = np.array(
+            [_stretched(e[0], self.angle, cells[i].step_over, self.stretch) for i, e in zip(flat, edges, strict=True)]
+        )
+        phase = np.array([_centred(e[0], self.angle, d) for e, d in zip(edges, spacing.tolist(), strict=True)])
+        starts, ends = (np.concatenate([e[k] for e in edges]) for k in (0, 1))
+        group = np.repeat(np.arange(len(flat)), [len(e[0]) for e in edges])
+        found = cut_lines(starts, ends, angle=self.angle, spacing=spacing, phase=phase, group=group)
+        cuts = np.searchsorted(found.group, np.arange(len(flat) + 1))
+        for k, i in enumerate(flat):
+            points = found.points[cuts[k] : cuts[k + 1]]
+            beads = self._laid(
+                cells[i], insets[i], points, [False] * len(points), self.angle, float(spacing[k]), float(phase[k])
+            )
+            out[i] = CellFill(beads=beads, inset=cells[i].inset, angle=self.angle, step_over=float(spacing[k]))
+        return out
+
+    def _round(self, cell: Cell, inset: Inset) -> CellFill:
+        """A piece that winds: its lines close on themselves and go on across the seam."""
+        angle, spacing, k = closing_lines(inset.period, self.angle, cell.step_over)
         starts, ends = edges_of(inset.polygons)
-        if self.stretch and not cell.piece.winds:
-            spacing = _stretched(starts, angle, spacing, self.stretch)
-        phase = _phase(cell, inset, starts, angle, spacing, k)
-        stretches = cut_lines(starts, ends, angle=angle, spacing=spacing, phase=phase)
-        lines = join_across_seam(stretches, inset, k) if cell.piece.winds else [(p, False) for p in stretches.points]
-        if not lines:
-            return CellFill(beads=(), inset=cell.inset, angle=angle, step_over=spacing)
-        points = _sharp_ends(cell, inset, lines, angle)
-        beads = self._beads(cell, points, [closed for _, closed in lines], angle, spacing, phase)
+        phase = _phase(cell, starts, angle, spacing, k)
+        found = join_across_seam(cut_lines(starts, ends, angle=angle, spacing=spacing, phase=phase), inset, k)
+        points, closed = np.array([p for p, _ in found]).reshape(-1, 2, 2), [c for _, c in found]
+        beads = self._laid(cell, inset, points, closed, angle, spacing, phase)
         return CellFill(beads=beads, inset=cell.inset, angle=angle, step_over=spacing)
+
+    def _laid(
+        self, cell: Cell, inset: Inset, points: Array, closed: list[bool], angle: float, spacing: float, phase: float
+    ) -> tuple[Bead, ...]:
+        if not len(points):
+            return ()
+        return self._beads(cell, _sharp_ends(cell, inset, points, closed, angle), closed, angle, spacing, phase)
 
     def _beads(self, cell: Cell, points: Array, closed: list[bool], angle: float, spacing: float, phase: float):
         """In the order of the lines; with `both_ways`, every second line is run backwards."""
@@ -66,7 +94,9 @@ class Hatch(Pattern):
 
 
 def _stretched(points: Array, angle: float, spacing: float, most: float) -> float:
-    """The spacing next to d that divides the piece's extent across the lines, or d itself if it is too far off."""
+    """The spacing next to d that divides the piece's extent across the lines, or d itself if that is more than `most` off."""
+    if not most:
+        return spacing
     _, across = directions(angle)
     width = float(np.ptp(points @ across))
     count = max(1, round(width / spacing))
@@ -74,22 +104,27 @@ def _stretched(points: Array, angle: float, spacing: float, most: float) -> floa
     return width / count * (1.0 - 1e-9) if abs(width / count / spacing - 1.0) <= most else spacing
 
 
-def _phase(cell: Cell, inset: Inset, points: Array, angle: float, spacing: float, k: int) -> float:
-    """Across-coordinate of line 0: the lines are centred on the piece; on a full turn one goes through its anchor."""
+def _phase(cell: Cell, points: Array, angle: float, spacing: float, k: int) -> float:
+    """Across-coordinate of line 0 on a full turn: one line goes through its anchor; rings are centred on it."""
+    if k == 0:
+        return _centred(points, angle, spacing)
     _, across = directions(angle)
-    if cell.piece.winds and k != 0:
-        middle = 0.5 * (points[:, 1].min() + points[:, 1].max())
-        return float(np.array([anchor_of(cell.piece), middle]) @ across)
+    middle = 0.5 * (points[:, 1].min() + points[:, 1].max())
+    return float(np.array([anchor_of(cell.piece), middle]) @ across)
+
+
+def _centred(points: Array, angle: float, spacing: float) -> float:
+    """Across-coordinate of line 0 where the lines are centred on the points."""
+    _, across = directions(angle)
     y = points @ across
     low, high = float(y.min()), float(y.max())
     count = math.floor((high - low) / spacing * (1.0 + 1e-12))
     return low + 0.5 * (high - low - count * spacing)
 
 
-def _sharp_ends(cell: Cell, inset: Inset, lines: list[tuple[Array, bool]], angle: float) -> Array:
+def _sharp_ends(cell: Cell, inset: Inset, points: Array, closed: list[bool], angle: float) -> Array:
     """Both ends of every bead that has ends, slid outwards to exactly the inset."""
-    points = np.array([p for p, _ in lines])
-    open_ones = np.array([not closed for _, closed in lines])
+    points, open_ones = points.copy(), ~np.array(closed)
     # on or outside of the outline, the polygon's own ends are near enough: inside of it by its slack at most
     if not open_ones.any() or cell.inset <= 0.0:
         return points

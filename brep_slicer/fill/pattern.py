@@ -9,7 +9,7 @@ what the one before left.
 from __future__ import annotations
 
 import abc
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from brep_slicer.region import Piece, Region
@@ -50,6 +50,10 @@ class Pattern(abc.ABC):
     def fill(self, cell: Cell) -> CellFill:
         """The beads of one cell, in the order of deposition."""
 
+    def fill_all(self, cells: Sequence[Cell]) -> list[CellFill]:
+        """The beads of every cell of a layer; one after the other unless a pattern can do better."""
+        return [self.fill(cell) for cell in cells]
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PatternSequence(Pattern):
@@ -63,17 +67,24 @@ class PatternSequence(Pattern):
     overlap: float = 0.0
 
     def fill(self, cell: Cell) -> CellFill:
-        beads: tuple[Bead, ...] = ()
-        notes: tuple[str, ...] = ()
-        angle = step_over = None
+        return self.fill_all([cell])[0]
+
+    def fill_all(self, cells: Sequence[Cell]) -> list[CellFill]:
+        """Each pattern on all cells before the next one."""
+        cells, out = list(cells), [CellFill(beads=(), inset=cell.inset) for cell in cells]
         for pattern in self.patterns:
-            made = pattern.fill(cell)
-            beads, notes = beads + made.beads, notes + made.notes
-            angle = made.angle if made.angle is not None else angle
-            step_over = made.step_over if made.step_over is not None else step_over
-            reach = self.overlap if made.inset > cell.inset else 0.0
-            cell = replace(cell, inset=made.inset - reach, laid=beads)
-        return CellFill(beads=beads, inset=cell.inset, angle=angle, step_over=step_over, notes=notes)
+            for i, made in enumerate(pattern.fill_all(cells)):
+                before, cell = out[i], cells[i]
+                out[i] = CellFill(
+                    beads=before.beads + made.beads,
+                    inset=made.inset,
+                    angle=before.angle if made.angle is None else made.angle,
+                    step_over=before.step_over if made.step_over is None else made.step_over,
+                    notes=before.notes + made.notes,
+                )
+                reach = self.overlap if made.inset > cell.inset else 0.0
+                cells[i] = replace(cell, inset=made.inset - reach, laid=out[i].beads)
+        return out
 
 
 def _narrow(cell: Cell, shortest_bead: float) -> tuple[list[Bead], str]:
@@ -115,18 +126,20 @@ def fill_region(
     beads: list[Bead] = []
     notes: list[str] = []
     angles, steps = [], []
-    for index, piece in enumerate(region.pieces):
-        cell = Cell(piece=piece, index=index, inset=inset, step_over=step_over, width=width, chord=chord)
-        made = (pattern if isinstance(pattern, Pattern) else pattern(piece)).fill(cell)
+    cells = [
+        Cell(piece=piece, index=index, inset=inset, step_over=step_over, width=width, chord=chord)
+        for index, piece in enumerate(region.pieces)
+    ]
+    fills = pattern.fill_all(cells) if isinstance(pattern, Pattern) else [pattern(cell.piece).fill(cell) for cell in cells]
+    for index, (cell, made) in enumerate(zip(cells, fills, strict=True)):
         long = [bead for bead in made.beads if not shortest_bead or bead.length() >= shortest_bead]
         notes += [f"piece {index}: {note}" for note in made.notes]
         if len(long) < len(made.beads):
             notes.append(f"piece {index}: {len(made.beads) - len(long)} beads shorter than {shortest_bead:g} mm left out")
         if not long:
             long, note = _narrow(cell, shortest_bead)
-            notes.append(
-                f"piece {index} ({piece.area():.4g} mm2) is too narrow for a bead {inset:g} mm inside of its outline: {note}"
-            )
+            where = f"piece {index} ({cell.piece.area():.4g} mm2)"
+            notes.append(f"{where} is too narrow for a bead {inset:g} mm inside of its outline: {note}")
         beads += long
         angles.append(float("nan") if made.angle is None else made.angle)
         steps.append(step_over if made.step_over is None else made.step_over)

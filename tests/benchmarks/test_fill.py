@@ -50,9 +50,18 @@ def test_filling_against_shapely(regions, capsys):
     fill_region(regions[0], pattern, **ARGS)
     whole, fills = timed(lambda: [fill_region(region, pattern, **ARGS) for region in regions])
     beads = sum(len(fill.beads) for fill in fills)
-    ready = lines_and_polygons(regions)
+    ready = [lines_and_polygons([region]) for region in regions]
     spacing = ARGS["step_over"]
-    core, cut = timed(lambda: [cut_lines(*edges, angle=ANGLE, spacing=spacing, phase=p) for _, edges, p, _ in ready])
+    together = [
+        (
+            *(np.concatenate([edges[k] for _, edges, _, _ in layer]) for k in (0, 1)),
+            np.array([phase for _, _, phase, _ in layer]),
+            np.repeat(np.arange(len(layer)), [len(edges[0]) for _, edges, _, _ in layer]),
+        )
+        for layer in ready
+    ]
+    core, cut = timed(lambda: [cut_lines(a, b, angle=ANGLE, spacing=spacing, phase=p, group=g) for a, b, p, g in together])
+    ready = [piece for layer in ready for piece in layer]
     alone, found = timed(lambda: [[shape.intersection(line) for line in lines] for shape, _, _, lines in ready])
     at_once, _ = timed(lambda: [shapely.intersection(shape, lines) for shape, _, _, lines in ready])
     theirs = sum(len(shapely.get_parts(piece)) for piece in found)

@@ -188,3 +188,34 @@ def test_a_keyway_is_not_counted_as_bare():
     found = coverage_of(band(), fill_region(band(), Rings(), **ON).beads, W)
     assert found.area == pytest.approx(band().area, rel=1e-9)
     assert found.bare_share < 0.02
+
+
+@pytest.mark.parametrize(
+    "pattern", [bs.InnerPattern.RINGS, bs.InnerPattern.HELIX, bs.InnerPattern.ZIGZAG], ids=lambda p: p.value
+)
+def test_step_over_of_the_other_straight_patterns(pattern, fixture_step):
+    part = bs.read_step(fixture_step("keyed_band"))
+    process = bs.Process(layer_thickness=2.0, step_over=D, bead_width=W, pattern=pattern, hatch_angles=(0.5,))
+    plan = bs.plan(part, process, axis=Z, substrate=45.0, layers=(0, 1))
+    found = step_over_of(plan.toolpath, plan.axis, 0).spacings
+    near = found[found < 1.5 * D]
+    assert len(near) > 50
+    assert np.abs(near - plan.fills[0].step_over[0]).max() <= 1e-6
+
+
+@pytest.mark.parametrize("region", [box(), polygon((-15, 0), (15, 0), (4, 60), (-4, 60))], ids=["box", "taper"])
+def test_contours_and_spirals_keep_their_bounds(region):
+    import shapely
+
+    chord = ARGS["chord"]
+    rings = [shapely.LinearRing(b.points) for b in fill_region(region, Contours(count=None), **ON).beads]
+    for outer, inner in itertools.pairwise(rings):
+        # every point of a contour is a step-over from the one before, and no nearer
+        gaps = shapely.distance(outer, shapely.points(shapely.get_coordinates(shapely.segmentize(inner, 0.3))))
+        assert np.abs(gaps - D).max() <= 4.0 * chord
+    (spiral,) = fill_region(region, Spiral(), **ON).beads
+    places = shapely.points(shapely.get_coordinates(shapely.segmentize(shapely.LineString(spiral.points), 0.3)))
+    # nowhere does a spiral leave more between its turns than the contours that it runs between
+    bands = shapely.union_all([ring.buffer(D) for ring in rings])
+    assert bands.covers(shapely.MultiPoint(places))
+    assert coverage_of(region, [spiral], 2.0 * D).bare_share < 1e-3

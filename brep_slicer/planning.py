@@ -7,10 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
+
+import numpy as np
 
 from brep_slicer.errors import InputError, LayerError, PlanningError
 from brep_slicer.fill import (
+    Bead,
+    BeadKind,
     Contours,
     FlankFollowing,
     Hatch,
@@ -31,12 +36,14 @@ from brep_slicer.fill import (
 )
 from brep_slicer.part import Part, as_part
 from brep_slicer.process import InnerPattern, Order, Process
-from brep_slicer.region import FailedLayer, Layer, Region, features_of, slice_solids
+from brep_slicer.region import FailedLayer, Layer, Piece, Region, features_of, slice_solids
 from brep_slicer.section import CutSolid, Engine, cut_solids
 from brep_slicer.substrate.axis import Axis, find_axis
 from brep_slicer.substrate.layers import LayerStack, stack_layers
 from brep_slicer.substrate.radius import Substrate, find_substrate
 from brep_slicer.toolpath import DepositLayer, Motion, Toolpath, lift_layers, obstacles_of
+
+PatternChoice = Callable[[int, Piece], Pattern]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -84,6 +91,7 @@ def plan(
     substrate_solids: Sequence[int] | None = None,
     layers: tuple[int | None, int | None] | None = None,
     engine: Engine | str = Engine.ANALYTIC,
+    pattern: PatternChoice | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Plan:
     """Plan the deposition of a part.
@@ -104,6 +112,8 @@ def plan(
         Plan only these layers; they keep their numbers.
     engine : Engine or str
         How sections are cut.
+    pattern : callable, optional
+        Given a layer's number and a piece, the Pattern to fill it with; by default the process's for every piece.
     progress : callable, optional
         Called with (layers done, layers in all).
 
@@ -133,15 +143,14 @@ def plan(
     stack = stack_layers(chosen.radius, highest, process)
     numbers = range(len(stack.radii))[slice(*layers)] if layers is not None else range(len(stack.radii))
     if not numbers:
-        raise InputError(
-            f"{part.source}: layers {layers} are none of the {len(stack.radii)} layers; give a:b within 0:{len(stack.radii)}"
-        )
+        count = len(stack.radii)
+        raise InputError(f"{part.source}: layers {layers} are none of the {count} layers; give a:b within 0:{count}")
     cut = _cut(solids, stack, numbers, chosen, Engine(engine), progress)
     if all(not isinstance(layer, FailedLayer) and layer.region.is_empty for layer in cut):
         raise PlanningError(
             f"{part.source}: no layer meets any metal outside of R {chosen.radius:.6g} mm; check axis and substrate"
         )
-    fills = tuple(fill_layer(layer, process) for layer in cut)
+    fills = tuple(fill_layer(layer, process, pattern) for layer in cut)
     _check_beads(part, process, cut, fills)
     standing = obstacles_of([s.brep for s in solids if s.index in chosen.solids], chosen.radius)
     toolpath = lift_layers(_deposits(cut, fills, stack, process.by_feature), motion_of(process), axis, standing)
@@ -221,13 +230,13 @@ def pattern_of(process: Process, layer: int) -> Pattern:
     return PatternSequence(patterns=tuple(patterns), overlap=process.value("overlap"))
 
 
-def fill_layer(layer: Layer | FailedLayer, process: Process) -> LayerFill:
-    """The beads of one layer; none for a failed one."""
+def fill_layer(layer: Layer | FailedLayer, process: Process, pattern: PatternChoice | None = None) -> LayerFill:
+    """The beads of one layer; none for a failed one. `pattern` chooses for a layer's number and a piece."""
     if isinstance(layer, FailedLayer):
         return LayerFill(beads=())
     fill = fill_region(
         layer.region,
-        pattern_of(process, layer.index),
+        pattern_of(process, layer.index) if pattern is None else partial(pattern, layer.index),
         step_over=process.step_over,
         width=process.width,
         inset=process.value("inset"),
@@ -246,7 +255,15 @@ def fill_layer(layer: Layer | FailedLayer, process: Process) -> LayerFill:
         limits = (process.slowest, process.fastest)
         beads = with_speed_by_spacing(fill.beads, step_over=process.step_over, limits=limits, period=layer.region.period)
         fill = replace(fill, beads=beads)
-    return replace(fill, beads=with_overlap(fill.beads, process.closing_overlap))
+    beads = with_overlap(fill.beads, process.closing_overlap)
+    return replace(fill, beads=tuple(_at_contour_speed(bead, process) for bead in beads))
+
+
+def _at_contour_speed(bead: Bead, process: Process) -> Bead:
+    if process.contour_speed_mm_s is None or bead.kind is not BeadKind.CONTOUR:
+        return bead
+    share = process.contour_speed_mm_s / float(process.value("deposition_speed_mm_s"))
+    return replace(bead, speed=share * (np.ones(len(bead.points)) if bead.speed is None else bead.speed))
 
 
 def _cooled(fill: LayerFill, process: Process) -> LayerFill:
@@ -289,6 +306,8 @@ def motion_of(process: Process) -> Motion:
         margin=0.5 * process.width,
         lead_in=process.lead_in,
         lead_out=process.lead_out,
+        laser_on_delay=process.laser_on_delay,
+        laser_off_delay=process.laser_off_delay,
     )
 
 

@@ -111,6 +111,10 @@ class Process:
         How far closed beads go on over their own start, mm.
     lead_in, lead_out : float
         The nozzle runs this far straight towards a bead's start and on from its end at deposition speed, laser off, mm.
+    laser_on_delay, laser_off_delay : float
+        The laser is switched on this long before a bead's start, and off this long before its end, mm: metal comes late.
+    contour_speed_mm_s : float, optional
+        Speed of contours; the deposition speed if not given.
     order : Order
         Beads in the pattern's order, or in one that shortens travels.
     cut_at : CutAt
@@ -138,6 +142,9 @@ class Process:
     closing_overlap: float = 0.0
     lead_in: float = 0.0
     lead_out: float = 0.0
+    laser_on_delay: float = 0.0
+    laser_off_delay: float = 0.0
+    contour_speed_mm_s: float | None = None
     order: Order = Order.PATTERN
     contours: int = 0
     hatch: bool = True
@@ -175,7 +182,7 @@ class Process:
                 object.__setattr__(self, name, _positive(name, value))
         if self.inset is not None:
             object.__setattr__(self, "inset", _finite("inset", self.inset))
-        for name in ("overlap", "shortest_bead", "hop_length", "closing_overlap", "lead_in", "lead_out", "rest_s"):
+        for name in ("overlap", "shortest_bead", "hop_length", "closing_overlap", "lead_in", "lead_out", "rest_s", *DELAYS):
             value = getattr(self, name)
             if value is not None and not (_finite(name, value) >= 0.0):
                 raise InputError(f"{name} is {value:g} mm; it must be zero or more")
@@ -271,7 +278,9 @@ class Process:
         return replace(self, **changes)
 
 
+DELAYS = ("laser_on_delay", "laser_off_delay")
 POSITIVE_OPTIONS = (
+    "contour_speed_mm_s",
     "bead_width",
     "deposition_speed_mm_s",
     "travel_speed_mm_s",

@@ -34,6 +34,18 @@ def test_a_thread_whose_half_turns_occt_gets_wrong(radius, real_step):
     assert boolean is None or boolean == pytest.approx(analytic, rel=1e-6)
 
 
+@pytest.mark.slow
+def test_just_above_the_lowest_point_of_an_edge(real_step):
+    """A loop of 69 mm was lost without a word: its arc was taken for the short cap on the surface beyond the face's edge."""
+    part = bs.read_step(real_step("propeller_3blade_hub_openaxis.step"))
+    solid = cut_solids(part, bs.find_axis(part))[1]
+    lowest = solid.critical.radii[np.abs(solid.critical.radii - 90.9960921).argmin()]
+    radii = lowest + np.array([0.0, 1e-9, 1e-7, 1e-5])
+    areas = [sum(loop.signed_area() for loop in section[0]) for section in sections_by_analysis(solid, radii)]
+    assert areas == pytest.approx([295.67] * 4, abs=1.0)
+    assert area_by_flux(solid.brep, float(radii[2])) == pytest.approx(295.67, abs=1.0)
+
+
 def test_a_sliver_thinner_than_what_its_edges_gape(real_step):
     # OCP 8.0.1.1: 8.79418e-07 and 8.79408e-07 mm2; the file's own faces say 8.786e-07: neither is wrong by more than the gaps
     part = bs.read_step(real_step("impeller_radial_turbo3d.step"))

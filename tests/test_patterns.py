@@ -199,3 +199,17 @@ def test_no_bead_is_laid_beside_a_hot_one():
 
 def rows(count):
     return region_from_loops(R, [rectangle(0.0, 0.0, W + (count - 1) * D + 0.1, 30.0)])
+
+
+def test_a_pattern_for_each_layer_and_piece(fixture_step):
+    part = bs.read_step(fixture_step("propeller"))
+    process = bs.Process(layer_thickness=8.0, step_over=3.4)
+    asked = []
+
+    def choose(layer, piece):
+        asked.append((layer, round(piece.bounds()[0], 3)))
+        return Zigzag() if piece.bounds()[0] > 0.0 else Contours(count=1)
+
+    plan = bs.plan(part, process, pattern=choose, layers=(1, 3))
+    assert len(asked) == 6
+    assert {b.kind.value for fill in plan.fills for b in fill.beads} == {"zigzag", "contour"}

@@ -176,3 +176,23 @@ def test_leads_run_straight_on_with_the_laser_off(tooth_plan):
     flat = np.concatenate([[0.0], np.hypot(np.diff(path.kappa), np.diff(path.v))])
     assert flat[runs].sum() == pytest.approx(5.0 * beads, rel=1e-9)
     assert not (runs & (np.abs(path.radius - np.round(path.radius, 6)) > 1e-6)).any()
+
+
+def test_the_laser_is_switched_early(tooth_plan):
+    long = tooth_plan.process.updated(shortest_bead=3.0)
+    early = long.updated(laser_on_delay=0.5, laser_off_delay=0.8, lead_in=2.0)
+    plain, path = (bs.plan(tooth_plan.part, process).toolpath for process in (long, early))
+    beads = len(np.unique(path.bead))
+    laid = [p.segment_lengths()[p.deposits].sum() for p in (plain, path)]
+    # 0.5 mm more before each start, 0.8 mm less before each end
+    assert laid[1] == pytest.approx(laid[0] + beads * (0.5 - 0.8), rel=1e-9)
+
+
+def test_contours_at_a_speed_of_their_own(tooth_plan):
+    process = tooth_plan.process.updated(contours=1, contour_speed_mm_s=6.0)
+    plan = bs.plan(tooth_plan.part, process, layers=(0, 2))
+    path = plan.toolpath
+    kinds = np.array([b.kind.value for fill in plan.fills for b in fill.beads])[path.bead]
+    speeds = path.speed[path.deposits]
+    assert np.allclose(speeds[kinds[path.deposits] == "contour"], 6.0)
+    assert np.allclose(speeds[kinds[path.deposits] != "contour"], 9.0)

@@ -38,6 +38,7 @@ class Motion:
 
     `margin` is how far beside its path a travel looks for what stands in its way (half a bead width, say). Before a bead the
     nozzle runs `lead_in` mm straight towards its start, after it `lead_out` mm straight on, at deposition speed, laser off.
+    The laser is switched on `laser_on_delay` mm before the start and off `laser_off_delay` mm before the end.
     """
 
     deposition_speed: float
@@ -48,6 +49,8 @@ class Motion:
     margin: float
     lead_in: float = 0.0
     lead_out: float = 0.0
+    laser_on_delay: float = 0.0
+    laser_off_delay: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -97,19 +100,34 @@ class _BeadTable:
 
 
 def _with_leads(bead: Bead, motion: Motion) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """A bead's points, speed factors and which points are leads, straight on at both ends."""
+    """A bead's points, speed factors and which points are leads, straight on at both ends.
+
+    The laser is on from `laser_on_delay` before the start to `laser_off_delay` before the end.
+    """
     points = bead.points
     factor = np.ones(len(points)) if bead.speed is None else bead.speed
     lead = np.zeros(len(points), dtype=bool)
-    for length, end, beside in ((motion.lead_in, 0, 1), (motion.lead_out, -1, -2)):
+    if motion.laser_off_delay > 0.0:
+        points, factor, lead = _off_before_the_end(points, factor, motion.laser_off_delay)
+    for length, end, off in ((motion.laser_on_delay, 0, False), (motion.lead_in, 0, True), (motion.lead_out, -1, True)):
         if length > 0.0:
-            way = points[end] - points[beside]
+            way = points[0] - points[1] if end == 0 else points[-1] - points[-2]
             added = (points[end] + length / max(float(np.hypot(*way)), 1e-300) * way)[None]
-            both = (added, points) if end == 0 else (points, added)
-            points = np.concatenate(both)
-            factor = np.concatenate([[1.0], factor] if end == 0 else [factor, [1.0]])
-            lead = np.concatenate([[True], lead] if end == 0 else [lead, [True]])
+            points = np.concatenate((added, points) if end == 0 else (points, added))
+            factor = np.concatenate(([1.0], factor) if end == 0 else (factor, [1.0]))
+            lead = np.concatenate(([off], lead) if end == 0 else (lead, [off]))
     return points, factor, lead
+
+
+def _off_before_the_end(points: Array, factor: Array, length: float) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """A point more, `length` before a bead's end; what comes after it is run with the laser off."""
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    at = max(float(along[-1]) - length, 0.5 * float(along[-1]))
+    k = min(int(np.searchsorted(along, at, side="right")), len(points) - 1)
+    cut = np.array([[np.interp(at, along, points[:, i]) for i in (0, 1)]])
+    points = np.concatenate([points[:k], cut, points[k:]])
+    factor = np.concatenate([factor[:k], [np.interp(at, along, factor)], factor[k:]])
+    return points, factor, np.arange(len(points)) > k
 
 
 def _most_turn(radius: Array, chord: float) -> Array:

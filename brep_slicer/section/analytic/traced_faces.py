@@ -116,6 +116,7 @@ def _direct(traced: Sequence[TracedFace], radii: Array, arcs: Sequence[FaceArcs]
     ground = Ground([one.face for one in traced])
     whole = np.tile([0.0, 1.0], (int(good.sum()), 1))
     made = arcs_of_spans(trace_spans(ground, face[good], arc[good], whole, uv[good], radius[good]), radius)
+    made = _into_the_face(ground, face, uv, made)
     curves = _curves(made, np.array([one.face.index for one in traced])[face])
     for k, curve in curves.items():
         one, mine = traced[face[k]], arcs[face[k]]
@@ -123,6 +124,29 @@ def _direct(traced: Sequence[TracedFace], radii: Array, arcs: Sequence[FaceArcs]
         mine.residual[int(layer[k])] = max(mine.residual.get(int(layer[k]), 0.0), made[k][2])
     missed = np.setdiff1d(arc, np.array(list(curves), dtype=np.int64))
     return [set(layer[missed[face[missed] == number]].tolist()) for number in range(len(traced))]
+
+
+def _into_the_face(
+    ground: Ground, which: NDArray[np.int64], uv: Array, made: dict[int, tuple[Array, Array, float]]
+) -> dict[int, tuple[Array, Array, float]]:
+    """Those traced arcs that run along the section at both ends: T = e_rho x n, the metal on its left.
+
+    Just above the lowest point of an edge, the level curve of one of its faces goes a long way round, while that of the surface
+    beyond the edge joins the two nodes by a short cap outside of the face, which runs the other way.
+    """
+    keys = np.array(list(made), dtype=np.int64)
+    if not len(keys):
+        return made
+    good = np.ones(len(keys), dtype=bool)
+    sign = np.array([face.sign for face in ground.faces])[which[keys]]
+    for end in (0, 1):
+        p, su, sv = ground.derivatives(which[keys], uv[keys, end])
+        n = sign[:, None] * np.cross(su, sv)
+        rho = np.maximum(radii_of(p), 1e-300)
+        along = np.stack([-n[:, 2], (n[:, 1] * p[:, 0] - n[:, 0] * p[:, 1]) / rho], axis=1)
+        nodes = np.array([made[k][0][0, :2] if end == 0 else made[k][0][-1, -2:] for k in keys.tolist()])
+        good &= np.einsum("ij,ij->i", nodes[:, 1] - nodes[:, 0], along) >= 0.0
+    return {k: made[k] for k in keys[good].tolist()}
 
 
 def _single(found: FaceNodes, layers: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

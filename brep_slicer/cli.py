@@ -199,13 +199,19 @@ def plan(
             progress=advance,
         )
     written = write_plan(made, out, allow_failed=allow_failed, step=step, dxf=dxf, proof=proof)
-    report = made.report()
     if not allow_failed:
         check_complete(made)
+    _say(made)
+    typer.echo("written: " + ", ".join(str(path) for path in written))
+
+
+def _say(made: Any) -> None:
+    """Warnings on standard error, what was planned on standard output."""
     for warning in made.warnings[:20]:
         typer.echo(f"warning: {warning}", err=True)
     if len(made.warnings) > 20:
         typer.echo(f"warning: {len(made.warnings) - 20} more in report.json", err=True)
+    report = made.report()
     totals = report["totals"]
     typer.echo(
         f"{len(made.layers)} layers on R {made.substrate.radius:.6g} mm ({made.substrate.reason}); {totals['beads']} beads,"
@@ -213,7 +219,6 @@ def plan(
         f" {totals['travel_length_mm'] / 1000:.4g} m travel"
     )
     typer.echo(f"sections: {report['sections']}")
-    typer.echo("written: " + ", ".join(str(path) for path in written))
 
 
 def _process(path: Path | None, given: dict[str, Any]) -> Any:

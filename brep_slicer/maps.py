@@ -33,6 +33,11 @@ def check_points(points: ArrayLike, *, columns: int, name: str) -> Array:
     return array
 
 
+def lengths_along(points: Array) -> Array:
+    """Length (n,) of a polyline (n, d) from its first point to each of its points, mm."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+
+
 def cylindrical_from_cartesian(points: ArrayLike) -> Array:
     """Map g of the paper (Eq. 1): (x, y, z) in mm to (theta, rho, u) in rad, mm, mm; theta in (-pi, pi].
 

@@ -7,43 +7,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
-import numpy as np
-
 from brep_slicer.errors import InputError, LayerError, PlanningError
-from brep_slicer.fill import (
-    Bead,
-    BeadKind,
-    Contours,
-    FlankFollowing,
-    Hatch,
-    Helix,
-    LayerFill,
-    Pattern,
-    PatternSequence,
-    Rings,
-    Skeleton,
-    Spiral,
-    Zigzag,
-    fill_region,
-    in_cool_order,
-    in_short_order,
-    with_overlap,
-    with_speed_by_spacing,
-    with_spread_starts,
-)
+from brep_slicer.fill import LayerFill, PatternChoice, fill_layer
 from brep_slicer.part import Part, as_part
-from brep_slicer.process import InnerPattern, Order, Process
-from brep_slicer.region import FailedLayer, Layer, Piece, Region, features_of, slice_solids
+from brep_slicer.process import Process
+from brep_slicer.region import FailedLayer, Layer, Region, features_of, slice_solids
 from brep_slicer.section import CutSolid, Engine, cut_solids
 from brep_slicer.substrate.axis import Axis, find_axis
 from brep_slicer.substrate.layers import LayerStack, stack_layers
 from brep_slicer.substrate.radius import Substrate, find_substrate
 from brep_slicer.toolpath import DepositLayer, Motion, Toolpath, lift_layers, obstacles_of
-
-PatternChoice = Callable[[int, Piece], Pattern]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -150,7 +125,7 @@ def plan(
         raise PlanningError(
             f"{part.source}: no layer meets any metal outside of R {chosen.radius:.6g} mm; check axis and substrate"
         )
-    fills = tuple(fill_layer(layer, process, pattern) for layer in cut)
+    fills = tuple(_filled(layer, process, pattern) for layer in cut)
     _check_beads(part, process, cut, fills)
     standing = obstacles_of([s.brep for s in solids if s.index in chosen.solids], chosen.radius)
     toolpath = lift_layers(_deposits(cut, fills, stack, process.by_feature), motion_of(process), axis, standing)
@@ -207,71 +182,8 @@ def _cut(
     return tuple(out)
 
 
-def pattern_of(process: Process, layer: int) -> Pattern:
-    """The pattern that a process asks for on layer number `layer`."""
-    patterns: list[Pattern] = []
-    if process.contours and (layer % process.contours_every == 0 or not process.hatch):
-        patterns.append(Contours(count=process.contours))
-    if process.hatch:
-        angle = process.hatch_angle(layer)
-        inner: dict[InnerPattern, Pattern] = {
-            InnerPattern.HATCH: Hatch(angle=angle, both_ways=process.both_ways, stretch=process.stretch),
-            InnerPattern.ZIGZAG: Zigzag(angle=angle),
-            InnerPattern.FLANK: FlankFollowing(both_ways=process.both_ways),
-            InnerPattern.CONTOURS: PatternSequence(patterns=(Contours(count=None), Skeleton())),
-            InnerPattern.SPIRAL: PatternSequence(patterns=(Spiral(), Skeleton())),
-            InnerPattern.SKELETON: Skeleton(),
-            InnerPattern.RINGS: Rings(),
-            InnerPattern.HELIX: Helix(),
-        }
-        patterns.append(inner[process.pattern])
-    if len(patterns) == 1:
-        return patterns[0]
-    return PatternSequence(patterns=tuple(patterns), overlap=process.value("overlap"))
-
-
-def fill_layer(layer: Layer | FailedLayer, process: Process, pattern: PatternChoice | None = None) -> LayerFill:
-    """The beads of one layer; none for a failed one. `pattern` chooses for a layer's number and a piece."""
-    if isinstance(layer, FailedLayer):
-        return LayerFill(beads=())
-    fill = fill_region(
-        layer.region,
-        pattern_of(process, layer.index) if pattern is None else partial(pattern, layer.index),
-        step_over=process.step_over,
-        width=process.width,
-        inset=process.value("inset"),
-        chord=process.value("chord"),
-        shortest_bead=process.value("shortest_bead"),
-    )
-    if process.spread_starts:
-        fill = replace(fill, beads=with_spread_starts(fill.beads, layer.index))
-    if process.order is Order.SHORTEST:
-        fill = replace(fill, beads=in_short_order(fill.beads, layer.region.period))
-    if process.rest_s:
-        fill = _cooled(fill, process)
-    if process.alternate and layer.index % 2 == 1:
-        fill = replace(fill, beads=tuple(bead.reversed() for bead in fill.beads[::-1]))
-    if process.speed_follows_spacing and fill.beads:
-        limits = (process.slowest, process.fastest)
-        beads = with_speed_by_spacing(fill.beads, step_over=process.step_over, limits=limits, period=layer.region.period)
-        fill = replace(fill, beads=beads)
-    beads = with_overlap(fill.beads, process.closing_overlap)
-    return replace(fill, beads=tuple(_at_contour_speed(bead, process) for bead in beads))
-
-
-def _at_contour_speed(bead: Bead, process: Process) -> Bead:
-    if process.contour_speed_mm_s is None or bead.kind is not BeadKind.CONTOUR:
-        return bead
-    share = process.contour_speed_mm_s / float(process.value("deposition_speed_mm_s"))
-    return replace(bead, speed=share * (np.ones(len(bead.points)) if bead.speed is None else bead.speed))
-
-
-def _cooled(fill: LayerFill, process: Process) -> LayerFill:
-    """The beads in an order that lets neighbours cool, and a note where it cannot."""
-    speeds = float(process.value("deposition_speed_mm_s")), float(process.value("travel_speed_mm_s"))
-    made = in_cool_order(fill.beads, step_over=process.step_over, rest=process.rest_s, speed=speeds[0], travel_speed=speeds[1])
-    note = f"{made.too_soon} beads start beside one that ended less than {process.rest_s:g} s ago"
-    return replace(fill, beads=made.beads, notes=(*fill.notes, note) if made.too_soon else fill.notes)
+def _filled(layer: Layer | FailedLayer, process: Process, pattern: PatternChoice | None) -> LayerFill:
+    return LayerFill(beads=()) if isinstance(layer, FailedLayer) else fill_layer(layer, process, pattern)
 
 
 def _deposits(

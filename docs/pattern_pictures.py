@@ -69,7 +69,7 @@ def main() -> None:
             ax.set_ylim(v0 - 2.0, v1 + 2.0)
         bare = 100.0 * coverage_of(region, fill.beads, W).bare_share
         ax.set_title(f"{name}: {len(fill.beads)} beads, {bare:.2f} % bare", fontsize=11)
-    figure.savefig(HERE / "patterns.png", dpi=62)
+    figure.savefig(HERE / "patterns.png", dpi=80)
 
 
 if __name__ == "__main__":

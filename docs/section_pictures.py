@@ -36,6 +36,13 @@ def unrolled_edges(solid: CutSolid):
                 yield number, p, RADIUS * np.arctan2(p[:, 1], p[:, 0]), p[:, 2]
 
 
+def legend(ax: Axes, place: str) -> None:
+    """Each label once, however many lines have it."""
+    handles, labels = ax.get_legend_handles_labels()
+    unique = dict(zip(labels, handles, strict=True))
+    ax.legend(unique.values(), unique.keys(), fontsize=7, loc=place)
+
+
 def effective_radii(ax: Axes, tooth: CutSolid) -> None:
     """Step 1: rho of every vertex, level faces as lines."""
     for radius in tooth.critical.level:
@@ -102,9 +109,7 @@ def closed_curves(ax: Axes, island: CutSolid) -> None:
         for line in grid.level_lines(high - drop):
             ax.plot(*np.degrees(line).T, label=f"{drop:g} mm below the top")
     ax.plot(*np.degrees(peak).T, "k^")
-    handles, labels = ax.get_legend_handles_labels()
-    unique = dict(zip(labels, handles, strict=True))
-    ax.legend(unique.values(), unique.keys(), fontsize=7, loc="lower left")
+    legend(ax, "lower left")
     ax.set(
         title="5  closed curves without a node: found round\nthe stationary points of ρ (here of a sphere)",
         xlabel="u, °",
@@ -118,9 +123,7 @@ def hot_edges(ax: Axes, cam: CutSolid) -> None:
         ((loops, _),) = sections_by_analysis(cam, np.array([radius]))
         for loop in loops:
             ax.plot(*loop.sample(1e-3).T, color=colour, label=f"R = {radius:g}")
-    handles, labels = ax.get_legend_handles_labels()
-    unique = dict(zip(labels, handles, strict=True))
-    ax.legend(unique.values(), unique.keys(), fontsize=7, loc="center")
+    legend(ax, "center")
     ax.set(
         title="6  hot edges: at R = 40 the section ends at the\nedges of tangency; 1 µm above, 0.3 mm inside",
         xlabel="κ, mm",

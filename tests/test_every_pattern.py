@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import brep_slicer as bs
-from brep_slicer.fill import BeadKind
+from brep_slicer.fill import BeadKind, fill_layer
 from brep_slicer.fill.distance import Outline
-from brep_slicer.planning import fill_layer, motion_of
+from brep_slicer.planning import motion_of
 from brep_slicer.toolpath import DepositLayer, lift_layers, obstacles_of
 
 from .conftest import FIXTURES, REAL

@@ -84,7 +84,16 @@ REAL = [
 @pytest.mark.slow
 @pytest.mark.parametrize("name", REAL)
 def test_real_parts(name, real_step):
-    part = bs.read_step(real_step(name))
+    keeps_the_identity(bs.read_step(real_step(name)))
+
+
+@pytest.mark.long
+def test_blades_that_gape(real_step):
+    # minutes a blade: a quarter of the sections near its noisy root and tip goes to the boolean engine
+    keeps_the_identity(bs.read_step(real_step("propeller_3blade_hub_openaxis.step")))
+
+
+def keeps_the_identity(part):
     for solid in cut_solids(part, bs.find_axis(part)):
         found, closure = integrate_sections(solid, relative=1e-8), closure_of(solid.brep)
         bound = max(1e-7, closure.defect)

@@ -90,7 +90,7 @@ class QuadricCurve(Curve):
 
     def _folded_slope(self, s: Array, p: Array, dkappa: Array, along: Array, across: Array) -> Array:
         """dv/dp; at the ends of the fold, where it is 0/0, by a central difference over a small angle."""
-        safe = np.abs(np.sin(p)) > 1e-4
+        safe = (np.abs(np.sin(p)) > 1e-4) & (across != 0.0)
         slope = np.where(safe, along * dkappa / np.where(safe, across, 1.0), 0.0)
         if not safe.all():
             step = 1e-3

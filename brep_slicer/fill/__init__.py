@@ -4,6 +4,7 @@ In: a region, a pattern, the step-over. Out: beads in (kappa, v), in the order o
 """
 
 from .bead import Bead, BeadKind, LayerFill
+from .by_process import PatternChoice, fill_layer, pattern_of
 from .cladding import Helix, Rings
 from .closing import with_overlap, with_spread_starts
 from .contours import Contours
@@ -29,15 +30,18 @@ __all__ = [
     "Helix",
     "LayerFill",
     "Pattern",
+    "PatternChoice",
     "PatternSequence",
     "Rings",
     "Skeleton",
     "Spiral",
     "Zigzag",
+    "fill_layer",
     "fill_region",
     "flank_direction",
     "in_cool_order",
     "in_short_order",
+    "pattern_of",
     "with_overlap",
     "with_speed_by_spacing",
     "with_spread_starts",

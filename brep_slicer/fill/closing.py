@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from brep_slicer.maps import Array
+from brep_slicer.maps import Array, lengths_along
 
 from .bead import Bead
 
@@ -35,12 +35,8 @@ def _is_ring(bead: Bead) -> bool:
     return bead.closed and bool(np.array_equal(bead.points[0], bead.points[-1])) and bead.speed is None
 
 
-def _lengths(points: Array) -> Array:
-    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-
-
 def _from(points: Array, share: float) -> Array:
-    along = _lengths(points)
+    along = lengths_along(points)
     at = share * along[-1]
     first = np.array([[np.interp(at, along, points[:, k]) for k in (0, 1)]])
     after = int(np.searchsorted(along, at, side="right"))
@@ -49,7 +45,7 @@ def _from(points: Array, share: float) -> Array:
 
 def _prolonged(bead: Bead, length: float) -> Bead:
     points = bead.points
-    along = _lengths(points)
+    along = lengths_along(points)
     length = min(length, 0.5 * float(along[-1]))
     more = int(np.searchsorted(along, length))
     shift = points[-1] - points[0]

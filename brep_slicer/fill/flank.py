@@ -17,7 +17,7 @@ from brep_slicer.region import Piece
 
 from .bead import Bead, BeadKind
 from .hatch import Hatch
-from .inset import inset_piece
+from .inset import inset_piece, parts_of
 from .pattern import Cell, CellFill, Pattern
 
 # Two flanks are parallel when their directions differ by less than this (rad).
@@ -67,8 +67,8 @@ class FlankFollowing(Pattern):
             for j in range(gaps + 1):
                 share = j / gaps if gaps else 0.5
                 line = _without_ends((1.0 - share) * first[begin : end + 1] + share * second[begin : end + 1], cuts, cell.width)
-                parts = shapely.get_parts(line.intersection(room))
-                found = [np.asarray(p.coords) for p in parts if p.geom_type == "LineString" and p.length > cell.step_over]
+                parts = parts_of(line.intersection(room), "LineString")
+                found = [np.asarray(p.coords) for p in parts if p.length > cell.step_over]
                 back = self.both_ways and j % 2 == 1
                 beads += [Bead(points=p[::-1] if back else p, kind=BeadKind.FLANK, piece=cell.index) for p in found]
         notes = (f"beads end and fewer go on at {len(zones) - 1} places along its flanks",) if len(zones) > 1 else ()

@@ -54,12 +54,12 @@ def inset_piece(piece: Piece, distance: float, *, chord: float) -> Inset:
     move = distance + (chord + corner if distance > 0.0 else chord)
     if not piece.winds:
         shape = _moved(polygon_from_piece(piece, chord=chord), move)
-        return Inset(polygons=_parts(shape), distance=distance, slack=slack)
+        return Inset(polygons=_polygons(shape), distance=distance, slack=slack)
     period = piece.outer[0].period
     cut = float(piece.outer[0].curves[0].start[0])
     shape = _moved(three_turns(piece, chord), move)
     window = window_of(piece, shape)
-    return Inset(polygons=_parts(shape.intersection(window)), distance=distance, slack=slack, cut=cut, period=period)
+    return Inset(polygons=_polygons(shape.intersection(window)), distance=distance, slack=slack, cut=cut, period=period)
 
 
 def three_turns_moved(piece: Piece, distance: float, *, chord: float):
@@ -103,9 +103,15 @@ def _moved(polygon, distance: float):
     return shape.buffer(-distance, quad_segs=QUARTER_SEGMENTS, join_style="round", mitre_limit=MITRE_LIMIT)
 
 
-def _parts(shape) -> tuple[Polygon, ...]:
-    geoms = getattr(shape, "geoms", [shape])
-    return tuple(g for g in geoms if g.geom_type == "Polygon" and not g.is_empty and g.area > 0.0)
+def parts_of(shape, kind: str) -> list:
+    """The parts of one geometry type ("Polygon", "LineString") in a geometry, none of them empty."""
+    import shapely
+
+    return [g for g in shapely.get_parts(shape) if g.geom_type == kind and not g.is_empty]
+
+
+def _polygons(shape) -> tuple[Polygon, ...]:
+    return tuple(g for g in parts_of(shape, "Polygon") if g.area > 0.0)
 
 
 def edges_of(polygons) -> tuple[Array, Array]:

@@ -7,19 +7,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from brep_slicer.maps import Array
 
 from .bead import Bead, BeadKind
-from .inset import three_turns, window_of
+from .inset import parts_of, three_turns, window_of
 from .medial import medial_axis
 from .pattern import Cell, CellFill, Pattern
-
-if TYPE_CHECKING:
-    from shapely import Geometry
 
 # Branches of the medial axis that run into corners are left out when the corner turns by less than this.
 CORNER = math.radians(95.0)
@@ -43,16 +39,17 @@ class Skeleton(Pattern):
         if cell.laid:
             lines = [shapely.LineString(points) for points in _copies(cell)]
             bare = shape.difference(shapely.union_all([line.buffer(0.5 * cell.width) for line in lines]))
-            bare = shapely.MultiPolygon([p for p in _polygons(bare) if p.area > (SPOT * cell.width) ** 2])
+            bare = shapely.MultiPolygon([p for p in parts_of(bare, "Polygon") if p.area > (SPOT * cell.width) ** 2])
         if bare.is_empty:
             return CellFill(beads=(), inset=cell.inset)
-        lines = [line for polygon in _polygons(shape) for line in _branches(polygon, cell)]
+        lines = [line for polygon in parts_of(shape, "Polygon") for line in _branches(polygon, cell)]
         found = shapely.MultiLineString(lines)
         if cell.laid:
             found = found.intersection(bare.buffer(REACH * cell.width))
         if cell.piece.winds:
             found = found.intersection(window_of(cell.piece, shape))
-        chains = [np.asarray(line.coords) for line in _lines(shapely.line_merge(found) if not found.is_empty else found)]
+        merged = shapely.line_merge(found) if not found.is_empty else found
+        chains = [np.asarray(line.coords) for line in parts_of(merged, "LineString")]
         long = [c for c in chains if np.hypot(*np.diff(c, axis=0).T).sum() >= REACH * cell.width]
         beads = tuple(_bead(_thinned(c, cell.chord), cell.index) for c in long)
         return CellFill(beads=beads, inset=cell.inset)
@@ -65,7 +62,7 @@ def _branches(polygon, cell: Cell) -> list:
     keep = axis.angle > CORNER
     pieces = np.stack([axis.starts[keep], axis.ends[keep]], axis=1)
     merged = shapely.line_merge(shapely.MultiLineString(list(pieces))) if len(pieces) else shapely.MultiLineString()
-    return _lines(merged)
+    return parts_of(merged, "LineString")
 
 
 def _copies(cell: Cell) -> list[Array]:
@@ -85,11 +82,3 @@ def _thinned(points: Array, chord: float) -> Array:
     import shapely
 
     return np.asarray(shapely.LineString(points).simplify(chord).coords)
-
-
-def _polygons(shape: Geometry) -> list:
-    return [g for g in getattr(shape, "geoms", [shape]) if g.geom_type == "Polygon" and not g.is_empty]
-
-
-def _lines(shape: Geometry) -> list:
-    return [g for g in getattr(shape, "geoms", [shape]) if g.geom_type == "LineString" and not g.is_empty]

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from brep_slicer.maps import Array
+from brep_slicer.maps import Array, lengths_along
 
 from .bead import Bead, BeadKind
 from .cladding import Helix
@@ -95,7 +95,7 @@ def _spiral(rings: list[Array], spacing: float) -> Array:
 
 def _from(ring: Array, at: float) -> Array:
     """A closed ring run from the place at length `at` on."""
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(ring, axis=0).T))])
+    along = lengths_along(ring)
     first = np.array([np.interp(at, along, ring[:, k]) for k in (0, 1)])
     later = int(np.searchsorted(along, at, side="right"))
     return np.concatenate([first[None], ring[later:-1] if later < len(ring) else ring[:0], ring[:later], first[None]])

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brep_slicer.maps import TURN, Array
+from brep_slicer.maps import TURN, Array, lengths_along
 from brep_slicer.substrate.axis import Axis
 from brep_slicer.toolpath import Toolpath
 
@@ -70,7 +70,7 @@ def _unrolled(points: Array) -> tuple[Array, float]:
 
 def _nearest(points: Array, number: int, a: Array, b: Array, of: Array) -> Array:
     """Distances from places along one bead to the nearest segment of another that a perpendicular meets."""
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    along = lengths_along(points)
     at = SAMPLES * along[-1]
     places = np.stack([np.interp(at, along, points[:, k]) for k in (0, 1)], axis=1)
     d = b - a

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from brep_slicer.fill import Bead
-from brep_slicer.maps import TURN, Array, cartesian_from_flat, normals_from_flat
+from brep_slicer.maps import TURN, Array, cartesian_from_flat, lengths_along, normals_from_flat
 from brep_slicer.substrate.axis import Axis
 
 from .obstacles import Obstacles
@@ -121,7 +121,7 @@ def _with_leads(bead: Bead, motion: Motion) -> tuple[Array, Array, NDArray[np.bo
 
 def _off_before_the_end(points: Array, factor: Array, length: float) -> tuple[Array, Array, NDArray[np.bool_]]:
     """A point more, `length` before a bead's end; what comes after it is run with the laser off."""
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    along = lengths_along(points)
     at = max(float(along[-1]) - length, 0.5 * float(along[-1]))
     k = min(int(np.searchsorted(along, at, side="right")), len(points) - 1)
     cut = np.array([[np.interp(at, along, points[:, i]) for i in (0, 1)]])

@@ -1,0 +1,99 @@
+"""The beads of a layer as a process asks for them: which pattern, in which order, how fast.
+
+In: a Layer and a Process. Out: a LayerFill. A new pattern gets its name in `process.InnerPattern` and its line in `pattern_of`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from brep_slicer.process import InnerPattern, Order, Process
+from brep_slicer.region import Layer, Piece
+
+from .bead import Bead, BeadKind, LayerFill
+from .cladding import Helix, Rings
+from .closing import with_overlap, with_spread_starts
+from .contours import Contours
+from .cooling import in_cool_order
+from .flank import FlankFollowing
+from .hatch import Hatch
+from .order import in_short_order
+from .pattern import Pattern, PatternSequence, fill_region
+from .skeleton import Skeleton
+from .spacing import with_speed_by_spacing
+from .spiral import Spiral
+from .zigzag import Zigzag
+
+PatternChoice = Callable[[int, Piece], Pattern]
+
+
+def pattern_of(process: Process, layer: int) -> Pattern:
+    """The pattern that a process asks for on layer number `layer`."""
+    patterns: list[Pattern] = []
+    if process.contours and (layer % process.contours_every == 0 or not process.hatch):
+        patterns.append(Contours(count=process.contours))
+    if process.hatch:
+        angle = process.hatch_angle(layer)
+        inner: dict[InnerPattern, Pattern] = {
+            InnerPattern.HATCH: Hatch(angle=angle, both_ways=process.both_ways, stretch=process.stretch),
+            InnerPattern.ZIGZAG: Zigzag(angle=angle),
+            InnerPattern.FLANK: FlankFollowing(both_ways=process.both_ways),
+            InnerPattern.CONTOURS: PatternSequence(patterns=(Contours(count=None), Skeleton())),
+            InnerPattern.SPIRAL: PatternSequence(patterns=(Spiral(), Skeleton())),
+            InnerPattern.SKELETON: Skeleton(),
+            InnerPattern.RINGS: Rings(),
+            InnerPattern.HELIX: Helix(),
+        }
+        patterns.append(inner[process.pattern])
+    if len(patterns) == 1:
+        return patterns[0]
+    return PatternSequence(patterns=tuple(patterns), overlap=process.value("overlap"))
+
+
+def fill_layer(layer: Layer, process: Process, pattern: PatternChoice | None = None) -> LayerFill:
+    """The beads of one layer, in the order and at the speeds of a process.
+
+    `pattern` chooses for a layer's number and a piece; without it, the process does for all pieces.
+    """
+    fill = fill_region(
+        layer.region,
+        pattern_of(process, layer.index) if pattern is None else partial(pattern, layer.index),
+        step_over=process.step_over,
+        width=process.width,
+        inset=process.value("inset"),
+        chord=process.value("chord"),
+        shortest_bead=process.value("shortest_bead"),
+    )
+    if process.spread_starts:
+        fill = replace(fill, beads=with_spread_starts(fill.beads, layer.index))
+    if process.order is Order.SHORTEST:
+        fill = replace(fill, beads=in_short_order(fill.beads, layer.region.period))
+    if process.rest_s:
+        fill = _cooled(fill, process)
+    if process.alternate and layer.index % 2 == 1:
+        fill = replace(fill, beads=tuple(bead.reversed() for bead in fill.beads[::-1]))
+    if process.speed_follows_spacing and fill.beads:
+        limits = (process.slowest, process.fastest)
+        beads = with_speed_by_spacing(fill.beads, step_over=process.step_over, limits=limits, period=layer.region.period)
+        fill = replace(fill, beads=beads)
+    beads = with_overlap(fill.beads, process.closing_overlap)
+    return replace(fill, beads=tuple(_at_contour_speed(bead, process) for bead in beads))
+
+
+def _at_contour_speed(bead: Bead, process: Process) -> Bead:
+    if process.contour_speed_mm_s is None or bead.kind is not BeadKind.CONTOUR:
+        return bead
+    share = process.contour_speed_mm_s / float(process.value("deposition_speed_mm_s"))
+    return replace(bead, speed=share * (np.ones(len(bead.points)) if bead.speed is None else bead.speed))
+
+
+def _cooled(fill: LayerFill, process: Process) -> LayerFill:
+    """The beads in an order that lets neighbours cool, and a note where it cannot."""
+    speeds = float(process.value("deposition_speed_mm_s")), float(process.value("travel_speed_mm_s"))
+    made = in_cool_order(fill.beads, step_over=process.step_over, rest=process.rest_s, speed=speeds[0], travel_speed=speeds[1])
+    note = f"{made.too_soon} beads start beside one that ended less than {process.rest_s:g} s ago"
+    return replace(fill, beads=made.beads, notes=(*fill.notes, note) if made.too_soon else fill.notes)

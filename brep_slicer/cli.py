@@ -124,6 +124,10 @@ def plan(
     fit: Annotated[
         str | None, typer.Option("--fit", help="Outermost bead centres in (w/2 inside, default), on, or out of the outline.")
     ] = None,
+    allowance: Annotated[
+        float | None,
+        typer.Option("--allowance", help="Machining allowance: grow the part by this much all over, mm (default 0)."),
+    ] = None,
     order: Annotated[
         str | None, typer.Option("--order", help="Beads in the pattern's order (default), or shortest travels.")
     ] = None,
@@ -179,6 +183,7 @@ def plan(
         "deposition_speed_mm_s": speed,
         "chord": chord,
         "pattern": _choice("--pattern", pattern, "InnerPattern"),
+        "allowance": allowance,
         "fit": _choice("--fit", fit, "Fit"),
         "order": _choice("--order", order, "Order"),
         "speed_follows_spacing": True if even_height else None,

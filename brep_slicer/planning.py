@@ -13,7 +13,7 @@ from brep_slicer.errors import InputError, LayerError, PlanningError
 from brep_slicer.fill import LayerFill, PatternChoice, fill_layer
 from brep_slicer.part import Part, as_part
 from brep_slicer.process import Process
-from brep_slicer.region import FailedLayer, Layer, Region, features_of, slice_solids
+from brep_slicer.region import FailedLayer, Layer, Region, features_of, slice_solids, slice_with_allowance
 from brep_slicer.section import CutSolid, Engine, cut_solids
 from brep_slicer.substrate.axis import Axis, find_axis
 from brep_slicer.substrate.layers import LayerStack, stack_layers
@@ -113,14 +113,14 @@ def plan(
     features = [r for i, r in reach.items() if i not in chosen.solids]
     if not features or max(features) <= chosen.radius:
         raise PlanningError(f"{part.source}: nothing stands beyond the substrate, R {chosen.radius:.6g} mm; give a smaller one")
-    highest = max(features)
+    highest = max(features) + process.allowance
     _check_step_over(part, process, highest)
     stack = stack_layers(chosen.radius, highest, process)
     numbers = range(len(stack.radii))[slice(*layers)] if layers is not None else range(len(stack.radii))
     if not numbers:
         count = len(stack.radii)
         raise InputError(f"{part.source}: layers {layers} are none of the {count} layers; give a:b within 0:{count}")
-    cut = _cut(solids, stack, numbers, chosen, Engine(engine), progress)
+    cut = _cut(solids, stack, numbers, chosen, process, Engine(engine), progress)
     if all(not isinstance(layer, FailedLayer) and layer.region.is_empty for layer in cut):
         raise PlanningError(
             f"{part.source}: no layer meets any metal outside of R {chosen.radius:.6g} mm; check axis and substrate"
@@ -165,12 +165,26 @@ def _cut(
     stack: LayerStack,
     numbers: Sequence[int],
     substrate: Substrate,
+    process: Process,
     engine: Engine,
     progress: Callable[[int, int], None] | None,
 ) -> tuple[Layer | FailedLayer, ...]:
     done = (lambda i: progress(i + 1, len(numbers))) if progress is not None else None
     radii = [stack.cut_radii[i] for i in numbers]
-    sliced = slice_solids(solids, radii, engine=engine, substrate_solids=substrate.solids, progress=done)
+    sliced = (
+        slice_with_allowance(
+            solids,
+            radii,
+            allowance=process.allowance,
+            lowest=substrate.radius,
+            chord=process.value("chord"),
+            engine=engine,
+            substrate_solids=substrate.solids,
+            progress=done,
+        )
+        if process.allowance
+        else slice_solids(solids, radii, engine=engine, substrate_solids=substrate.solids, progress=done)
+    )
     out: list[Layer | FailedLayer] = []
     for i, layer in zip(numbers, sliced, strict=True):
         radius = stack.radii[i]

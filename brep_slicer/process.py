@@ -89,6 +89,9 @@ class Process:
         Distance of the outermost bead centres from the outline (outwards if negative); by `fit` if not given.
     fit : Fit
         Outermost bead centres half a bead inside of the outline, on it, or half a bead outside.
+    allowance : float
+        Machining allowance a, mm: the part is grown by a along its normals, a / sqrt(1 - (n . e_rho)**2) sideways in a layer
+        and by layers on top.
     overlap : float, optional
         How much farther than a step-over from the last contour's centre hatch lines reach; 2 d - w (0 at least) if not given.
     speed_follows_spacing : bool
@@ -132,6 +135,7 @@ class Process:
     bead_width: float | None = None
     inset: float | None = None
     fit: Fit = Fit.IN
+    allowance: float = 0.0
     overlap: float | None = None
     stretch: float = 0.0
     contours_every: int = 1
@@ -182,7 +186,17 @@ class Process:
                 object.__setattr__(self, name, _positive(name, value))
         if self.inset is not None:
             object.__setattr__(self, "inset", _finite("inset", self.inset))
-        for name in ("overlap", "shortest_bead", "hop_length", "closing_overlap", "lead_in", "lead_out", "rest_s", *DELAYS):
+        for name in (
+            "overlap",
+            "shortest_bead",
+            "hop_length",
+            "closing_overlap",
+            "allowance",
+            "lead_in",
+            "lead_out",
+            "rest_s",
+            *DELAYS,
+        ):
             value = getattr(self, name)
             if value is not None and not (_finite(name, value) >= 0.0):
                 raise InputError(f"{name} is {value:g} mm; it must be zero or more")

@@ -3,6 +3,7 @@
 In: the loops of every solid's section. Out: regions (nested pieces with exact areas) and layers.
 """
 
+from .allowance import grown_region, slice_with_allowance
 from .features import features_of
 from .layer import FailedLayer, Layer
 from .overlay import difference_of_regions, union_of_regions
@@ -17,9 +18,11 @@ __all__ = [
     "Region",
     "difference_of_regions",
     "features_of",
+    "grown_region",
     "polygon_from_piece",
     "region_from_loops",
     "slice_part",
     "slice_solids",
+    "slice_with_allowance",
     "union_of_regions",
 ]

@@ -51,9 +51,13 @@ def difference_of_regions(region: Region, other: Region) -> Region:
 
 
 def _overlay(a: Region, b: Region, *, union: bool) -> Region:
+    apart = Region(radius=a.radius, pieces=a.pieces + b.pieces) if union else a
+    boxes = [np.array([piece.bounds() for piece in region.pieces]) for region in (a, b)]
+    if not any(_lifts(p, q, a.period) for p in boxes[0] for q in boxes[1]):
+        return apart
     shapes = (_cover(a), _cover(b))
     if not _overlap(*shapes, a, b):
-        return Region(radius=a.radius, pieces=a.pieces + b.pieces) if union else a
+        return apart
     arcs_a, arcs_b = _split(a, b)
     kept = [arc for arc in arcs_a if _keeps(arc, shapes[1], first=True, union=union)]
     for arc in arcs_b:

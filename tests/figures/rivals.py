@@ -1,8 +1,7 @@
 """Error against time: the analytic engine, OCCT's boolean, and the method of the paper (a mesh, warped, cut by planes).
 
-The mesh: tessellated to a chordal deviation, triangles divided while a straight edge bends by more than that when warped, every
-vertex taken to (theta, z, rho) by Eq. 1 of the paper, then cut by planes rho = const. Its segments are timed, no polygons; 1000
-layers are ten times 100.
+The mesh is `warped_mesh`'s, as coarse as an error allows that is measured on its outlines; it is cut by planes rho = const in
+trimesh. Its segments are timed, no polygons; 1000 layers are ten times 100.
 
 python -m tests.figures.rivals [picture.png]
 """
@@ -23,66 +22,38 @@ from brep_slicer.maps import Array
 from brep_slicer.region import Layer, slice_solids
 from brep_slicer.section import CutSolid, Engine, cut_solids
 
+from .warped_mesh import TooManyTriangles, warped_mesh
+
 ROOT = Path(__file__).resolve().parent.parent.parent
 COUNTS = (16, 100, 1000)
 BOOLEAN_LAYERS, JUDGED_LAYERS = 4, 5
-LEAST_ERROR = 1e-4
-# deviations tried, mm, until the measured error of the outline is as small as that; more triangles than this are not made
-DEVIATIONS = (0.02, 0.01, 0.005, 0.002, 0.001, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5)
-MOST_TRIANGLES = 3_000_000
+# measured errors of the mesh's outlines that are asked for, mm; more triangles than this are not made
+ERRORS = (1e-2, 1e-3, 1e-4)
+MOST_TRIANGLES, TRIALS = 12_000_000, 3
 
 
 @dataclass(frozen=True)
 class Case:
-    """A solid and the radii between which it is cut."""
+    """A solid and the radii between which it is cut: from `low` to `margin` below its highest point, mm."""
 
     name: str
     path: Path
     solid: int
     low: float | None = None
+    margin: float = 0.1
+
+    def radii(self, solid: CutSolid, count: int) -> Array:
+        """So many radii, evenly spaced."""
+        low = self.low if self.low is not None else solid.critical.lowest + 0.1
+        return np.linspace(low, solid.critical.highest - self.margin, count)
 
 
 CASES = (
     Case("helical gear, 20 teeth", ROOT / "fixtures/step/helical_gear.step", 0, 87.6),
     Case("propeller blade", ROOT / "fixtures/step/propeller.step", 1),
     Case("gear_spur_m5z10_f360", ROOT.parent / "shared/step/gear_spur_m5z10_f360.step", 0, 19.0),
-    Case("propeller_6land_D", ROOT.parent / "shared/step/propeller_6land_D_5axisslicer.step", 0, 8.5),
+    Case("propeller_6land_D", ROOT.parent / "shared/step/propeller_6land_D_5axisslicer.step", 0, 8.5, 1.0),
 )
-
-
-def warped_mesh(solid: CutSolid, deviation: float):
-    """The solid's mesh in (theta, z, rho), a soup of triangles, as trimesh has it; None if it gets too large."""
-    import build123d as bd
-    import trimesh
-
-    edge = np.sqrt(8.0 * solid.critical.highest * deviation)
-    points, triangles = bd.Solid(solid.wrapped).tessellate(deviation, min(0.1, edge / solid.critical.highest))
-    vertices, faces = np.array([tuple(p) for p in points]), np.array(triangles)
-    while len(faces) < MOST_TRIANGLES:
-        bent = _bends(vertices[faces], solid.critical.highest) > deviation
-        if not bent.any():
-            break
-        vertices, faces = trimesh.remesh.subdivide(vertices, faces, face_index=np.flatnonzero(bent))
-    if len(faces) >= MOST_TRIANGLES:
-        return None
-    corners = vertices[faces]
-    theta = np.arctan2(corners[..., 1], corners[..., 0])
-    theta = theta[:, :1] + np.remainder(theta - theta[:, :1] + np.pi, 2.0 * np.pi) - np.pi
-    warped = np.stack([theta, corners[..., 2], np.hypot(corners[..., 0], corners[..., 1])], axis=-1)
-    return trimesh.Trimesh(warped.reshape(-1, 3), np.arange(3 * len(faces)).reshape(-1, 3), process=False)
-
-
-def _bends(corners: Array, radius: float) -> Array:
-    """How far the warped middle of a triangle's edges lies from the middle of its warped edges, at most, mm (n,)."""
-    worst = np.zeros(len(corners))
-    for i in range(3):
-        a, b = corners[:, i], corners[:, (i + 1) % 3]
-        warped = [np.hypot(p[:, 0], p[:, 1]) for p in (a, b, 0.5 * (a + b))]
-        turn = [np.arctan2(p[:, 1], p[:, 0]) for p in (a, b, 0.5 * (a + b))]
-        apart = np.remainder(turn[1] - turn[0] + np.pi, 2.0 * np.pi) - np.pi
-        off = np.remainder(turn[2] - turn[0] - 0.5 * apart + np.pi, 2.0 * np.pi) - np.pi
-        worst = np.maximum(worst, np.hypot(warped[2] - 0.5 * (warped[0] + warped[1]), radius * off))
-    return worst
 
 
 def cut_mesh(mesh, radii: Array) -> list[Array]:
@@ -127,8 +98,7 @@ def measure(case: Case) -> list[tuple[str, float, float, list[float]]]:
     axis = bs.find_axis(part)
     prepare, solids = seconds(lambda: cut_solids(part, axis)[case.solid : case.solid + 1])
     (solid,) = solids
-    low = case.low if case.low is not None else solid.critical.lowest + 0.1
-    spans = {n: np.linspace(low, solid.critical.highest - 0.1, n) for n in COUNTS}
+    spans = {n: case.radii(solid, n) for n in COUNTS}
     slice_solids(solids, spans[16][:2])
     taken, layers = {}, {}
     for n in COUNTS:
@@ -139,26 +109,34 @@ def measure(case: Case) -> list[tuple[str, float, float, list[float]]]:
     some = spans[100][10 :: 100 // BOOLEAN_LAYERS]
     boolean, _ = seconds(slice_solids, solids, some, engine=Engine.BOOLEAN)
     rows.append(("boolean (4 layers, scaled)", 1e-7, prepare, [boolean / len(some) * n for n in COUNTS]))
-    for deviation in DEVIATIONS:
-        ready, mesh = seconds(warped_mesh, solid, deviation)
-        if mesh is None:
-            rows.append((f"mesh to {deviation:g} mm: more than {MOST_TRIANGLES} triangles", float("nan"), ready, []))
-            break
+    for error in ERRORS:
+        rows.append(_mesh_row(solid, error, spans, layers[100]))
+    return rows
+
+
+def _mesh_row(solid: CutSolid, wanted: float, spans: dict[int, Array], layers: list[Layer]) -> tuple:
+    """The row of the coarsest mesh whose outlines are as near as wanted."""
+    deviation = wanted
+    for _ in range(TRIALS):
+        try:
+            ready, mesh = seconds(warped_mesh, solid, deviation, spans[100][0], spans[100][-1], MOST_TRIANGLES)
+        except TooManyTriangles:
+            return f"mesh to {wanted:g} mm: more than {MOST_TRIANGLES} triangles", float("nan"), float("nan"), []
         few, _ = seconds(cut_mesh, mesh, spans[16])
         hundred, segments = seconds(cut_mesh, mesh, spans[100])
-        error = outline_error(segments, layers[100], spans[100])
-        rows.append((f"mesh to {deviation:g} mm, {len(mesh.faces)} triangles", error, ready, [few, hundred, 10.0 * hundred]))
-        if error <= LEAST_ERROR:
+        error = outline_error(segments, layers, spans[100])
+        if error <= wanted:
             break
-    return rows
+        deviation *= 0.9 * wanted / error
+    label = f"mesh to {wanted:g} mm, {len(mesh.faces)} triangles"
+    return label, error, ready, [few, hundred, 10.0 * hundred]
 
 
 def memory(case: Case) -> float:
     """MB that 1000 layers take."""
     part = bs.read_step(case.path)
     solids = cut_solids(part, bs.find_axis(part))[case.solid : case.solid + 1]
-    low = case.low if case.low is not None else solids[0].critical.lowest + 0.1
-    radii = np.linspace(low, solids[0].critical.highest - 0.1, 1000)
+    radii = case.radii(solids[0], 1000)
     tracemalloc.start()
     layers = slice_solids(solids, radii)
     size = tracemalloc.get_traced_memory()[0] / 1e6

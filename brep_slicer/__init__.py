@@ -24,6 +24,8 @@ if TYPE_CHECKING:
         Pattern,
         PatternSequence,
         Rings,
+        Skeleton,
+        Spiral,
         Zigzag,
         fill_region,
     )
@@ -32,7 +34,7 @@ if TYPE_CHECKING:
     from .output.write import write_plan
     from .part import Part, Solid, as_part, read_step
     from .planning import Plan, plan
-    from .process import CutAt, Fit, InnerPattern, LastLayer, Order, Process, read_process
+    from .process import CutAt, Fit, InnerPattern, LastLayer, Order, Process, Rule, read_process
     from .region import FailedLayer, Layer, Piece, Region, slice_part
     from .section import Certificate, Engine
     from .substrate.axis import Axis, axis_candidates, axis_from_line, axis_from_text, find_axis
@@ -53,6 +55,8 @@ _HOMES = {
         "Pattern",
         "PatternSequence",
         "Rings",
+        "Skeleton",
+        "Spiral",
         "Zigzag",
         "fill_region",
     ),
@@ -61,7 +65,7 @@ _HOMES = {
     "output.write": ("write_plan",),
     "part": ("Part", "Solid", "as_part", "read_step"),
     "planning": ("Plan", "plan"),
-    "process": ("CutAt", "Fit", "InnerPattern", "LastLayer", "Order", "Process", "read_process"),
+    "process": ("CutAt", "Fit", "InnerPattern", "LastLayer", "Order", "Process", "Rule", "read_process"),
     "region": ("FailedLayer", "Layer", "Piece", "Region", "slice_part"),
     "section": ("Certificate", "Engine"),
     "substrate.axis": ("Axis", "axis_candidates", "axis_from_line", "axis_from_text", "find_axis"),

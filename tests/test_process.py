@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 
+import build123d as bd
 import pytest
 
 import brep_slicer as bs
 from brep_slicer import InputError, Process, read_process
+from brep_slicer.fill import BeadKind
 from brep_slicer.process import LastLayer
 
 
@@ -54,6 +56,14 @@ def test_toml(tmp_path):
         ('layer_thickness = 1\nstep_over = 1\nlast_layer = "x"', "must be one of keep, drop, stretch"),
         ("layer_thickness = ", "not a readable TOML file"),
         ("layer_thickness = 1\nstep_over = 1\ncontours = 1.5", "must be a whole number"),
+        ("layer_thickness = 1\nstep_over = 1\n[[rules]]\nchord = 1", "chord is no process parameter"),
+        ("layer_thickness = 1\nstep_over = 1\n[[rules]]\nevery = 2", "a rule changes nothing"),
+        ("layer_thickness = 1\nstep_over = 1\n[[rules]]\nlayers = 3\ncontours = 1", "layers is 3; give 'a:b'"),
+        ("layer_thickness = 1\nstep_over = 1\n[[rules]]\nwinds = 3\ncontours = 1", "winds is 3; it must be true or false"),
+        ("layer_thickness = 1\nstep_over = 1\n[[rules]]\nevery = 0\ncontours = 1", "every is 0"),
+        ("layer_thickness = 1\nstep_over = 1\n[[rules]]\nnarrower_than = -1\ncontours = 1", "narrower_than is -1"),
+        ("layer_thickness = 1\nstep_over = 1\n[[rules]]\npattern = 'x'", "pattern is 'x'"),
+        ("layer_thickness = 1\nstep_over = 1\nrules = 3", "under \\[\\[rules\\]\\]"),
     ],
 )
 def test_bad_toml_is_one_clear_line(tmp_path, text, said):
@@ -78,3 +88,51 @@ def test_the_metal_balance_of_the_paper():
 def test_fit_says_where_the_outermost_bead_runs():
     for fit, inset in ((bs.Fit.IN, 2.45), (bs.Fit.ON, 0.0), (bs.Fit.OUT, -2.45)):
         assert bs.Process(layer_thickness=1.4, step_over=3.4, bead_width=4.9, fit=fit).value("inset") == pytest.approx(inset)
+
+
+RULES = """
+layer_thickness = 2.0
+step_over = 3.0
+[[rules]]
+layers = "0:4"
+every = 2
+contours = 1
+hatch_angles_deg = [90]
+[[rules]]
+narrower_than = 12.0
+pattern = "skeleton"
+"""
+
+
+def test_rules_hold_where_they_say(tmp_path):
+    path = tmp_path / "process.toml"
+    path.write_text(RULES)
+    process = read_process(path)
+    first, second = process.rules
+    assert [first.on_layer(i) for i in range(6)] == [True, False, True, False, False, False]
+    assert all(second.on_layer(i) for i in range(6))
+    assert process.as_dict()["rules"] == [
+        {"layers": "0:4", "every": 2, "contours": 1, "hatch_angles_deg": [90.0]},
+        {"layers": ":", "every": 1, "narrower_than": 12.0, "pattern": "skeleton"},
+    ]
+
+
+def test_rules_choose_by_layer_and_by_width(tmp_path):
+    # two blocks on one shaft: 30 and 10 mm wide
+    wide = bd.Solid.make_box(40.0, 30.0, 40.0, bd.Plane((30.0, -15.0, 0.0)))
+    narrow = bd.Solid.make_box(40.0, 10.0, 40.0, bd.Plane((30.0, -5.0, 60.0)))
+    shaft = bd.Solid.make_cylinder(50.0, 120.0, bd.Plane((0.0, 0.0, -10.0)))
+    part = bd.Compound([(shaft + wide + narrow).solids()[0]])
+    path = tmp_path / "process.toml"
+    path.write_text(RULES)
+    made = bs.plan(part, read_process(path), substrate=50.0)
+    kinds = [{k: [b for b in fill.beads if b.kind is k] for k in BeadKind} for fill in made.fills]
+    # every other of the first four layers: a contour round either block, and hatch across
+    for i in (0, 2):
+        assert len(kinds[i][BeadKind.CONTOUR]) == 2
+        assert not kinds[i][BeadKind.SKELETON]
+    for i in (1, 3, 4, 5):
+        assert not kinds[i][BeadKind.CONTOUR]
+        (piece,) = {bead.piece for bead in kinds[i][BeadKind.SKELETON]}
+        assert made.layers[i].region.pieces[piece].bounds()[1] == pytest.approx(60.0)
+        assert kinds[i][BeadKind.HATCH]

@@ -11,8 +11,8 @@ from functools import partial
 
 import numpy as np
 
-from brep_slicer.process import InnerPattern, Order, Process
-from brep_slicer.region import Layer, Piece
+from brep_slicer.process import InnerPattern, Order, Process, Rule
+from brep_slicer.region import Layer, Piece, polygon_from_piece
 
 from .bead import Bead, BeadKind, LayerFill
 from .cladding import Helix, Rings
@@ -31,8 +31,12 @@ from .zigzag import Zigzag
 PatternChoice = Callable[[int, Piece], Pattern]
 
 
-def pattern_of(process: Process, layer: int) -> Pattern:
-    """The pattern that a process asks for on layer number `layer`."""
+def pattern_of(process: Process, layer: int, piece: Piece | None = None) -> Pattern:
+    """The pattern that a process asks for on layer number `layer`, by its rules that of a piece."""
+    for rule in process.rules if piece is not None else ():
+        if piece is not None and rule.on_layer(layer) and _holds(rule, piece):
+            process = process.updated(rules=(), **rule.changes)
+            break
     patterns: list[Pattern] = []
     if process.contours and (layer % process.contours_every == 0 or not process.hatch):
         patterns.append(Contours(count=process.contours))
@@ -54,11 +58,25 @@ def pattern_of(process: Process, layer: int) -> Pattern:
     return PatternSequence(patterns=tuple(patterns), overlap=process.value("overlap"))
 
 
+def _holds(rule: Rule, piece: Piece) -> bool:
+    """Whether a rule that holds on the layer holds for a piece: the widest place is the largest circle inside."""
+    import shapely
+
+    if rule.winds is not None and rule.winds != piece.winds:
+        return False
+    if rule.narrower_than is None:
+        return True
+    polygon = polygon_from_piece(piece, chord=0.01 * rule.narrower_than)
+    return 2.0 * shapely.maximum_inscribed_circle(polygon, tolerance=1e-3 * rule.narrower_than).length < rule.narrower_than
+
+
 def fill_layer(layer: Layer, process: Process, pattern: PatternChoice | None = None) -> LayerFill:
     """The beads of one layer, in the order and at the speeds of a process.
 
     `pattern` chooses for a layer's number and a piece; without it, the process does for all pieces.
     """
+    if pattern is None and process.rules:
+        pattern = partial(pattern_of, process)
     fill = fill_region(
         layer.region,
         pattern_of(process, layer.index) if pattern is None else partial(pattern, layer.index),

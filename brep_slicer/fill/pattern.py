@@ -95,6 +95,16 @@ def _narrow(cell: Cell, shortest_bead: float) -> tuple[list[Bead], str]:
     return beads, "one bead along its skeleton instead, wider than the piece" if beads else "left bare"
 
 
+def _fills(cells: Sequence[Cell], patterns: Sequence[Pattern]) -> list[CellFill]:
+    """Each cell's fill; cells with equal patterns are filled together."""
+    found: dict[int, CellFill] = {}
+    for first, pattern in enumerate(patterns):
+        if first not in found:
+            alike = [i for i in range(first, len(cells)) if patterns[i] is pattern or patterns[i] == pattern]
+            found.update(zip(alike, pattern.fill_all([cells[i] for i in alike]), strict=True))
+    return [found[i] for i in range(len(cells))]
+
+
 def fill_region(
     region: Region,
     pattern: Pattern | Callable[[Piece], Pattern],
@@ -130,7 +140,7 @@ def fill_region(
         Cell(piece=piece, index=index, inset=inset, step_over=step_over, width=width, chord=chord)
         for index, piece in enumerate(region.pieces)
     ]
-    fills = pattern.fill_all(cells) if isinstance(pattern, Pattern) else [pattern(cell.piece).fill(cell) for cell in cells]
+    fills = _fills(cells, [pattern if isinstance(pattern, Pattern) else pattern(cell.piece) for cell in cells])
     for index, (cell, made) in enumerate(zip(cells, fills, strict=True)):
         long = [bead for bead in made.beads if not shortest_bead or bead.length() >= shortest_bead]
         notes += [f"piece {index}: {note}" for note in made.notes]

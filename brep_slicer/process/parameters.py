@@ -8,63 +8,18 @@ outline a bead's centre stays), *clearance* (nozzle above what stands in its way
 
 from __future__ import annotations
 
-import enum
-import itertools
-import math
-import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from pathlib import Path
 from typing import Any
 
 from brep_slicer.errors import InputError
 
+from .rules import Rule
+from .values import CutAt, Fit, InnerPattern, LastLayer, Order, as_written, check_radii, finite, positive
+
 # The paper's Table 3: laser spot 4.9 mm at a step-over of 3.4 mm, and a tool-head speed of 9 mm/s.
 WIDTH_PER_STEP_OVER = 1.44
 DEPOSITION_SPEED_MM_S = 9.0
-
-
-class LastLayer(enum.Enum):
-    """What becomes of a last layer that the height does not fill (DESIGN section 5)."""
-
-    KEEP = "keep"
-    DROP = "drop"
-    STRETCH = "stretch"
-
-
-class InnerPattern(enum.Enum):
-    """What fills a layer inside of its contours."""
-
-    HATCH = "hatch"
-    ZIGZAG = "zigzag"
-    FLANK = "flank"
-    CONTOURS = "contours"
-    SPIRAL = "spiral"
-    SKELETON = "skeleton"
-    RINGS = "rings"
-    HELIX = "helix"
-
-
-class Fit(enum.Enum):
-    """Where the centre of the outermost bead runs: half a bead inside of the outline, on it, or half a bead outside."""
-
-    IN = "in"
-    ON = "on"
-    OUT = "out"
-
-
-class Order(enum.Enum):
-    """In which order the beads of a layer are laid: as the pattern has them, or so that travels are short."""
-
-    PATTERN = "pattern"
-    SHORTEST = "shortest"
-
-
-class CutAt(enum.Enum):
-    """Where in its thickness a layer is cut."""
-
-    BOTTOM = "bottom"
-    MIDDLE = "middle"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -122,6 +77,8 @@ class Process:
         Beads in the pattern's order, or in one that shortens travels.
     cut_at : CutAt
         Cut at the layer's lower radius R_i, or at mid-thickness.
+    rules : sequence of Rule
+        Other fill parameters for some layers and pieces; of several that hold, the first.
 
     Raises
     ------
@@ -170,22 +127,23 @@ class Process:
     laser_power_w: float | None = None
     last_layer: LastLayer = LastLayer.KEEP
     cut_at: CutAt = CutAt.BOTTOM
+    rules: tuple[Rule, ...] = ()
 
     def __post_init__(self) -> None:
         thickness = self.layer_thickness
         if isinstance(thickness, Sequence):
-            object.__setattr__(self, "layer_thickness", tuple(_positive("layer_thickness", t) for t in thickness))
+            object.__setattr__(self, "layer_thickness", tuple(positive("layer_thickness", t) for t in thickness))
             if not thickness:
                 raise InputError("layer_thickness is an empty list; give one thickness, or one for each layer")
         else:
-            object.__setattr__(self, "layer_thickness", _positive("layer_thickness", thickness))
-        object.__setattr__(self, "step_over", _positive("step_over", self.step_over))
+            object.__setattr__(self, "layer_thickness", positive("layer_thickness", thickness))
+        object.__setattr__(self, "step_over", positive("step_over", self.step_over))
         for name in POSITIVE_OPTIONS:
             value = getattr(self, name)
             if value is not None:
-                object.__setattr__(self, name, _positive(name, value))
+                object.__setattr__(self, name, positive(name, value))
         if self.inset is not None:
-            object.__setattr__(self, "inset", _finite("inset", self.inset))
+            object.__setattr__(self, "inset", finite("inset", self.inset))
         for name in (
             "overlap",
             "shortest_bead",
@@ -198,11 +156,11 @@ class Process:
             *DELAYS,
         ):
             value = getattr(self, name)
-            if value is not None and not (_finite(name, value) >= 0.0):
+            if value is not None and not (finite(name, value) >= 0.0):
                 raise InputError(f"{name} is {value:g} mm; it must be zero or more")
-        if not 0.0 < _finite("slowest", self.slowest) <= 1.0 <= _finite("fastest", self.fastest):
+        if not 0.0 < finite("slowest", self.slowest) <= 1.0 <= finite("fastest", self.fastest):
             raise InputError(f"slowest and fastest are {self.slowest:g} and {self.fastest:g}; 1 must lie between them")
-        if not 0.0 <= _finite("stretch", self.stretch) < 0.5:
+        if not 0.0 <= finite("stretch", self.stretch) < 0.5:
             raise InputError(f"stretch is {self.stretch:g}; it must be at least 0 and less than 0.5 (a share of the step-over)")
         if self.contours_every < 1:
             raise InputError(f"contours_every is {self.contours_every}; it must be 1 or more")
@@ -212,7 +170,7 @@ class Process:
             raise InputError("neither contours nor hatch is asked for; nothing would be deposited")
         if self.radii is not None:
             object.__setattr__(self, "radii", check_radii(self.radii))
-        angles = tuple(_finite("hatch_angles", a) for a in self.hatch_angles)
+        angles = tuple(finite("hatch_angles", a) for a in self.hatch_angles)
         if not angles:
             raise InputError("hatch_angles is an empty list; give one angle at least")
         object.__setattr__(self, "hatch_angles", angles)
@@ -276,15 +234,8 @@ class Process:
         """Plain values as used, for echoing in outputs; angles in degrees, named so."""
         out: dict[str, Any] = {}
         for f in fields(self):
-            value = self.value(f.name)
-            if f.name == "hatch_angles":
-                out["hatch_angles_deg"] = [math.degrees(a) for a in value]
-            elif f.name == "hatch_angle_step":
-                out["hatch_angle_step_deg"] = math.degrees(value)
-            else:
-                out[f.name] = (
-                    value.value if isinstance(value, enum.Enum) else list(value) if isinstance(value, tuple) else value
-                )
+            name, value = as_written(f.name, self.value(f.name))
+            out[name] = value
         return out
 
     def updated(self, **changes: Any) -> Process:
@@ -304,109 +255,3 @@ POSITIVE_OPTIONS = (
     "powder_density_g_cm3",
     "laser_power_w",
 )
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, enum.Enum):
-        return value.value
-    return list(value) if isinstance(value, tuple) else value
-
-
-def check_radii(radii: Sequence[float]) -> tuple[float, ...]:
-    """Increasing positive radii, or an InputError that says which one is not."""
-    values = tuple(_positive("radius", r) for r in radii)
-    if not values:
-        raise InputError("the list of radii is empty; give one radius at least")
-    for before, after in itertools.pairwise(values):
-        if after <= before:
-            raise InputError(f"radius {after:g} mm follows {before:g} mm; the radii must increase")
-    return values
-
-
-def read_process(path: str | Path, **overrides: Any) -> Process:
-    """A Process from a TOML file whose keys are the parameters' names (angles as hatch_angles_deg, hatch_angle_step_deg).
-
-    Raises
-    ------
-    InputError
-        If the file is missing, is no TOML, or holds a key or a value that cannot be used.
-    """
-    return process_from_values(read_process_values(path), source=str(path), **overrides)
-
-
-def read_process_values(path: str | Path) -> dict[str, Any]:
-    """The plain values of a process file, not yet checked against each other."""
-    try:
-        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{path}: there is no such file; give a TOML file with process parameters") from None
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputError(f"{path}: not a readable TOML file ({error}); write one `name = value` a line") from None
-
-
-def process_from_values(values: Mapping[str, Any], *, source: str = "process", **overrides: Any) -> Process:
-    """A Process from plain values as they stand in TOML (strings for enums, degrees for angles)."""
-    known = {f.name for f in fields(Process)}
-    out: dict[str, Any] = {}
-    for key, value in values.items():
-        name = key.removesuffix("_deg") if key in ("hatch_angles_deg", "hatch_angle_step_deg") else key
-        if name not in known or (name != key) != (name in ("hatch_angles", "hatch_angle_step")):
-            raise InputError(f"{source}: {key} is no process parameter; known are {', '.join(sorted(_toml_names()))}")
-        out[name] = _from_plain(name, value, source)
-    out.update({name: value for name, value in overrides.items() if value is not None})
-    missing = [n for n in ("layer_thickness", "step_over") if n not in out]
-    if missing:
-        raise InputError(f"{source}: {' and '.join(missing)} not given; both are required (-t and -d at the command)")
-    return Process(**out)
-
-
-def _toml_names() -> list[str]:
-    names = [f.name for f in fields(Process)]
-    return [n + "_deg" if n in ("hatch_angles", "hatch_angle_step") else n for n in names]
-
-
-def _from_plain(name: str, value: Any, source: str) -> Any:
-    enums: dict[str, type[enum.Enum]] = {
-        "last_layer": LastLayer,
-        "cut_at": CutAt,
-        "pattern": InnerPattern,
-        "fit": Fit,
-        "order": Order,
-    }
-    if name in enums:
-        try:
-            return enums[name](value)
-        except ValueError:
-            known = ", ".join(e.value for e in enums[name])
-            raise InputError(f"{source}: {name} is {value!r}; it must be one of {known}") from None
-    if name == "hatch_angles":
-        listed = value if isinstance(value, list) else [value]
-        return tuple(math.radians(_finite(name, a)) for a in listed)
-    if name == "hatch_angle_step":
-        return math.radians(_finite(name, value))
-    if name in ("both_ways", "hatch", "speed_follows_spacing", "alternate", "by_feature", "spread_starts"):
-        if not isinstance(value, bool):
-            raise InputError(f"{source}: {name} is {value!r}; it must be true or false")
-        return value
-    if name in ("contours", "contours_every"):
-        if not isinstance(value, int) or isinstance(value, bool):
-            raise InputError(f"{source}: {name} is {value!r}; it must be a whole number")
-        return value
-    return tuple(value) if isinstance(value, list) else value
-
-
-def _finite(name: str, value: Any) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"{name} is {value!r}; it must be a number") from None
-    if isinstance(value, bool) or not math.isfinite(number):
-        raise InputError(f"{name} is {value}; it must be a finite number")
-    return number
-
-
-def _positive(name: str, value: Any) -> float:
-    number = _finite(name, value)
-    if not number > 0.0:
-        raise InputError(f"{name} is {number:g}; it must be greater than zero")
-    return number

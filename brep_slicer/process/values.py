@@ -1,0 +1,98 @@
+"""Plain values and what they may be: the choices, numbers that are checked, names and units as a file has them.
+
+In: values from anywhere. Out: the same, checked, or an InputError that names them.
+"""
+
+from __future__ import annotations
+
+import enum
+import itertools
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from brep_slicer.errors import InputError
+
+
+class LastLayer(enum.Enum):
+    """What becomes of a last layer that the height does not fill (DESIGN section 5)."""
+
+    KEEP = "keep"
+    DROP = "drop"
+    STRETCH = "stretch"
+
+
+class InnerPattern(enum.Enum):
+    """What fills a layer inside of its contours."""
+
+    HATCH = "hatch"
+    ZIGZAG = "zigzag"
+    FLANK = "flank"
+    CONTOURS = "contours"
+    SPIRAL = "spiral"
+    SKELETON = "skeleton"
+    RINGS = "rings"
+    HELIX = "helix"
+
+
+class Fit(enum.Enum):
+    """Where the centre of the outermost bead runs: half a bead inside of the outline, on it, or half a bead outside."""
+
+    IN = "in"
+    ON = "on"
+    OUT = "out"
+
+
+class Order(enum.Enum):
+    """In which order the beads of a layer are laid: as the pattern has them, or so that travels are short."""
+
+    PATTERN = "pattern"
+    SHORTEST = "shortest"
+
+
+class CutAt(enum.Enum):
+    """Where in its thickness a layer is cut."""
+
+    BOTTOM = "bottom"
+    MIDDLE = "middle"
+
+
+def as_written(name: str, value: Any) -> tuple[str, Any]:
+    """A parameter's name and plain value in a process file: degrees for angles, strings for enums."""
+    if name == "hatch_angles":
+        return "hatch_angles_deg", [math.degrees(a) for a in value]
+    if name == "hatch_angle_step":
+        return "hatch_angle_step_deg", math.degrees(value)
+    if name == "rules":
+        return name, [rule.as_dict() for rule in value]
+    if isinstance(value, enum.Enum):
+        return name, value.value
+    return name, list(value) if isinstance(value, tuple) else value
+
+
+def check_radii(radii: Sequence[float]) -> tuple[float, ...]:
+    """Increasing positive radii, or an InputError that says which one is not."""
+    values = tuple(positive("radius", r) for r in radii)
+    if not values:
+        raise InputError("the list of radii is empty; give one radius at least")
+    for before, after in itertools.pairwise(values):
+        if after <= before:
+            raise InputError(f"radius {after:g} mm follows {before:g} mm; the radii must increase")
+    return values
+
+
+def finite(name: str, value: Any) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} is {value!r}; it must be a number") from None
+    if isinstance(value, bool) or not math.isfinite(number):
+        raise InputError(f"{name} is {value}; it must be a finite number")
+    return number
+
+
+def positive(name: str, value: Any) -> float:
+    number = finite(name, value)
+    if not number > 0.0:
+        raise InputError(f"{name} is {number:g}; it must be greater than zero")
+    return number

@@ -3,7 +3,7 @@
 Every certified area is judged by the surface integral: by the quick one, and where that differs by more than it is good for, by
 the exact one; some are judged by the exact one anyway.
 
-python -m tests.figures.certificates fixtures/step/*.step
+python -m tests.figures.certificates [--all] fixtures/step/*.step     (--all: no end to what the exact integral judges)
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def radii_of_solid(solid: CutSolid) -> dict[str, Array]:
     }
 
 
-def judge(solid: CutSolid, radii: Array) -> dict[str, float]:
+def judge(solid: CutSolid, radii: Array, most_judged: int = MOST_JUDGED) -> dict[str, float]:
     """Counts of layers tried, certified, fallen back, failed and wrong; the largest differences in area."""
     start = time.perf_counter()
     found = sections_by_analysis(solid, radii)
@@ -61,8 +61,8 @@ def judge(solid: CutSolid, radii: Array) -> dict[str, float]:
     whole = np.flatnonzero(np.isfinite(areas))
     suspects = whole[off[whole] > QUICK]
     rng = np.random.default_rng(1)
-    unjudged = max(0, len(suspects) - MOST_JUDGED)
-    suspects = rng.permutation(suspects)[:MOST_JUDGED]
+    unjudged = max(0, len(suspects) - most_judged)
+    suspects = rng.permutation(suspects)[:most_judged]
     chosen = np.union1d(suspects, rng.choice(whole, min(JUDGED, len(whole)), replace=False))
     wrong, worst = [], 0.0
     closure = closure_of(solid.brep)
@@ -103,14 +103,16 @@ def _fails(solid: CutSolid, radius: float) -> bool:
     return False
 
 
-def main(names: list[str]) -> None:
+def main(arguments: list[str]) -> None:
+    names = [name for name in arguments if name != "--all"]
+    most_judged = MOST_JUDGED if len(names) == len(arguments) else sys.maxsize
     for name in names:
         part = bs.read_step(name)
         for i, solid in enumerate(cut_solids(part, bs.find_axis(part))):
             for kind, radii in radii_of_solid(solid).items():
                 if not len(radii):
                     continue
-                row = judge(solid, radii)
+                row = judge(solid, radii, most_judged)
                 figures = "  ".join(f"{k} {v:.3g}" if isinstance(v, float) else f"{k} {v}" for k, v in row.items())
                 print(f"{Path(name).stem}/{i} gap {solid.gaps.max():.1e} {kind}: {figures}", flush=True)
 

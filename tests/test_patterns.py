@@ -89,6 +89,22 @@ def test_a_keyway_interrupts_a_helix_and_nothing_else_does():
     assert ((v[1:-1] > 10.0 - W) & (v[1:-1] < 30.0 + W)).all()
 
 
+@given(st.floats(-7.0, 7.0), st.integers(1, 3), st.booleans())
+@settings(max_examples=20, deadline=None)
+def test_a_helix_begins_where_it_is_told(theta, starts, left_handed):
+    region = plain_band(40.0)
+    fill = fill_region(region, Helix(starts=starts, left_handed=left_handed, start=theta), **ARGS)
+    assert len(fill.beads) == starts
+    ends = np.array([b.points[[0, -1]] for b in fill.beads]).reshape(-1, 2)
+    low = ends[ends[:, 1] < ends[:, 1].min() + 1e-6]
+    assert len(low) == starts
+    assert low[:, 1] == pytest.approx(0.5 * W, abs=1e-9)
+    off = np.remainder(low[:, 0] - theta * region.radius + 0.5 * TURN, TURN) - 0.5 * TURN
+    assert np.abs(off).min() < 1e-6
+    # the others begin an even share of a turn on
+    assert np.sort(np.remainder(off * starts + 0.5 * TURN, TURN) - 0.5 * TURN) == pytest.approx(np.zeros(starts), abs=1e-5)
+
+
 def test_a_helix_on_a_piece_that_does_not_wind_is_said():
     fill = fill_region(box(), Helix(), **ARGS)
     assert "does not go all the way round" in fill.notes[0]

@@ -10,7 +10,7 @@ import pytest
 import brep_slicer as bs
 from brep_slicer import InputError, Process, read_process
 from brep_slicer.fill import BeadKind
-from brep_slicer.process import LastLayer
+from brep_slicer.process import InnerPattern, LastLayer, Rule, process_from_values
 
 
 @pytest.mark.parametrize("name", ["layer_thickness", "step_over", "bead_width", "chord", "deposition_speed_mm_s"])
@@ -63,6 +63,10 @@ def test_toml(tmp_path):
         ("layer_thickness = 1\nstep_over = 1\n[[rules]]\nevery = 0\ncontours = 1", "every is 0"),
         ("layer_thickness = 1\nstep_over = 1\n[[rules]]\nnarrower_than = -1\ncontours = 1", "narrower_than is -1"),
         ("layer_thickness = 1\nstep_over = 1\n[[rules]]\npattern = 'x'", "pattern is 'x'"),
+        ("layer_thickness = 1\nstep_over = 1\nstarts = 0", "starts is 0; it must be 1 or more"),
+        ("layer_thickness = 1\nstep_over = 1\nleft_handed = 1", "left_handed is 1; it must be true or false"),
+        ("layer_thickness = 1\nstep_over = 1\nstart_angle_deg = 'x'", "start_angle is 'x'"),
+        ("layer_thickness = 1\nstep_over = 1\nstart_angle = 1.0", "start_angle is no process parameter"),
         ("layer_thickness = 1\nstep_over = 1\nrules = 3", "under \\[\\[rules\\]\\]"),
     ],
 )
@@ -102,6 +106,23 @@ hatch_angles_deg = [90]
 narrower_than = 12.0
 pattern = "skeleton"
 """
+
+
+def test_a_process_file_reads_back_what_a_report_echoes(tmp_path):
+    process = Process(
+        layer_thickness=1.0,
+        step_over=2.0,
+        pattern=InnerPattern.HELIX,
+        starts=2,
+        start_angle=0.5,
+        left_handed=True,
+        hatch_angles=(0.1, 0.2),
+        rules=(Rule(changes={"pattern": InnerPattern.SPIRAL}, layers=(1, None), winds=False),),
+    )
+    again = process_from_values({name: value for name, value in process.as_dict().items() if value is not None})
+    assert again.as_dict() == process.as_dict()
+    assert again.rules == process.rules
+    assert again.start_angle == pytest.approx(0.5, abs=1e-15)
 
 
 def test_rules_hold_where_they_say(tmp_path):

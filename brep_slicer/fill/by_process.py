@@ -39,18 +39,25 @@ def pattern_of(process: Process, layer: int, piece: Piece | None = None) -> Patt
             break
     patterns: list[Pattern] = []
     if process.contours and (layer % process.contours_every == 0 or not process.hatch):
-        patterns.append(Contours(count=process.contours))
+        patterns.append(Contours(count=process.contours, outwards=process.contours_outwards))
     if process.hatch:
         angle = process.hatch_angle(layer)
         inner: dict[InnerPattern, Pattern] = {
             InnerPattern.HATCH: Hatch(angle=angle, both_ways=process.both_ways, stretch=process.stretch),
             InnerPattern.ZIGZAG: Zigzag(angle=angle),
             InnerPattern.FLANK: FlankFollowing(both_ways=process.both_ways),
-            InnerPattern.CONTOURS: PatternSequence(patterns=(Contours(count=None), Skeleton())),
+            InnerPattern.CONTOURS: PatternSequence(
+                patterns=(Contours(count=None, outwards=process.contours_outwards), Skeleton())
+            ),
             InnerPattern.SPIRAL: PatternSequence(patterns=(Spiral(), Skeleton())),
             InnerPattern.SKELETON: Skeleton(),
             InnerPattern.RINGS: Rings(),
-            InnerPattern.HELIX: Helix(),
+            InnerPattern.HELIX: Helix(
+                starts=process.starts,
+                left_handed=process.left_handed,
+                closing_rings=process.closing_rings,
+                start=process.start_angle,
+            ),
         }
         patterns.append(inner[process.pattern])
     if len(patterns) == 1:

@@ -28,12 +28,23 @@ class Helix(Pattern):
     """`starts` helices side by side, right-handed unless `left_handed`; neighbouring turns are one step-over apart.
 
     The lines obey L sin(phi) = starts * d, so each goes round without a seam. With `closing_rings`, a bead follows
-    both edges of the band, where a helix alone leaves wedges.
+    both edges of the band, where a helix alone leaves wedges. The first helix begins at the angle `start` round the shaft (rad,
+    theta of the axis frame), or where the part's own shape says.
+
+    Raises
+    ------
+    ValueError
+        If `starts` is less than 1.
     """
 
     starts: int = 1
     left_handed: bool = False
     closing_rings: bool = False
+    start: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.starts < 1:
+            raise ValueError(f"a helix needs one start at least, not {self.starts}")
 
     def fill(self, cell: Cell) -> CellFill:
         if not cell.piece.winds:
@@ -47,7 +58,7 @@ class Helix(Pattern):
             made = Rings().fill(cell)
             return replace(made, notes=(*made.notes, note))
         angle = -math.asin(sine) if self.left_handed else math.asin(sine)
-        made = Hatch(angle=angle, both_ways=False).fill(cell)
+        made = Hatch(angle=angle, both_ways=False, start=self.start).fill(cell)
         beads = [_of_kind(b, BeadKind.HELIX) for b in made.beads]
         if self.closing_rings:
             rings = _edges_of_band(cell)

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 
 from brep_slicer.maps import Array
 
@@ -27,12 +28,14 @@ class Hatch(Pattern):
 
     The lines are centred on the piece, so that they turn with it; on a full turn they close by the rule of `full_turn`.
     With `stretch` (a share of the step-over), spacings may be that much wider or narrower so that the outermost lines lie at
-    the inset on both sides; where that is not enough, the step-over stays.
+    the inset on both sides; where that is not enough, the step-over stays. On a full turn, a line begins at the lower edge at
+    the angle `start` round the shaft (rad, theta of the axis frame), if that is given.
     """
 
     angle: float = 0.0
     both_ways: bool = True
     stretch: float = 0.0
+    start: float | None = None
 
     def fill(self, cell: Cell) -> CellFill:
         return self.fill_all([cell])[0]
@@ -69,6 +72,8 @@ class Hatch(Pattern):
         angle, spacing, k = closing_lines(inset.period, self.angle, cell.step_over)
         starts, ends = edges_of(inset.polygons)
         phase = _phase(cell, starts, angle, spacing, k)
+        if self.start is not None and k:
+            phase = float(_lower_edge(cell, inset, cell.piece.radius * self.start) @ directions(angle)[1])
         found = join_across_seam(cut_lines(starts, ends, angle=angle, spacing=spacing, phase=phase), inset, k)
         points, closed = np.array([p for p, _ in found]).reshape(-1, 2, 2), [c for _, c in found]
         beads = self._laid(cell, inset, points, closed, angle, spacing, phase)
@@ -111,6 +116,18 @@ def _phase(cell: Cell, points: Array, angle: float, spacing: float, k: int) -> f
     _, across = directions(angle)
     middle = 0.5 * (points[:, 1].min() + points[:, 1].max())
     return float(np.array([anchor_of(cell.piece), middle]) @ across)
+
+
+def _lower_edge(cell: Cell, inset: Inset, kappa: float) -> Array:
+    """The lowest point at a place round the shaft that lies at the inset from a band's outline."""
+    place = inset.cut + (kappa - inset.cut) % inset.period
+    _, low, _, high = shapely.total_bounds(list(inset.polygons))
+    up = shapely.LineString([(place, low - 1.0), (place, high + 1.0)])
+    point = np.array([[place, min(p.intersection(up).bounds[1] for p in inset.polygons if p.intersects(up))]])
+    if cell.inset <= 0.0:
+        return point[0]
+    outline = Outline(cell.piece, max(cell.inset, cell.chord))
+    return ends_at_inset(outline, point, np.array([[0.0, -1.0]]), inset=cell.inset, limit=20.0 * inset.slack)[0]
 
 
 def _centred(points: Array, angle: float, spacing: float) -> float:

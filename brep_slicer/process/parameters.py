@@ -38,6 +38,16 @@ class Process:
         What fills the inside: hatch, zigzag (continuous), flank (along the piece's long edges), contours (as many as fit),
         spiral, skeleton (one bead along the middle), rings or helix (full turns). Contours and spirals are followed by
         skeleton beads where they leave the metal bare.
+    contours_outwards : bool
+        The innermost contour is laid first.
+    starts : int
+        How many helices run side by side (pattern helix).
+    left_handed : bool
+        Helices are left-handed.
+    closing_rings : bool
+        A ring along either edge of a band that a helix clads.
+    start_angle : float, optional
+        Where on its lower edge a helix begins, theta in the axis frame; where the part's shape says if not given.
     hatch_angles : sequence of float
         Angle of layer i is hatch_angles[i modulo their number], plus i * hatch_angle_step; counter-clockwise from +kappa.
     inset : float, optional
@@ -113,6 +123,11 @@ class Process:
     hatch_angles: tuple[float, ...] = (0.0,)
     hatch_angle_step: float = 0.0
     both_ways: bool = True
+    contours_outwards: bool = False
+    starts: int = 1
+    left_handed: bool = False
+    closing_rings: bool = False
+    start_angle: float | None = None
     speed_follows_spacing: bool = False
     slowest: float = 0.5
     fastest: float = 2.0
@@ -144,26 +159,19 @@ class Process:
                 object.__setattr__(self, name, positive(name, value))
         if self.inset is not None:
             object.__setattr__(self, "inset", finite("inset", self.inset))
-        for name in (
-            "overlap",
-            "shortest_bead",
-            "hop_length",
-            "closing_overlap",
-            "allowance",
-            "lead_in",
-            "lead_out",
-            "rest_s",
-            *DELAYS,
-        ):
+        for name in NOT_NEGATIVE:
             value = getattr(self, name)
             if value is not None and not (finite(name, value) >= 0.0):
-                raise InputError(f"{name} is {value:g} mm; it must be zero or more")
+                raise InputError(f"{name} is {value:g}; it must be zero or more")
         if not 0.0 < finite("slowest", self.slowest) <= 1.0 <= finite("fastest", self.fastest):
             raise InputError(f"slowest and fastest are {self.slowest:g} and {self.fastest:g}; 1 must lie between them")
         if not 0.0 <= finite("stretch", self.stretch) < 0.5:
             raise InputError(f"stretch is {self.stretch:g}; it must be at least 0 and less than 0.5 (a share of the step-over)")
-        if self.contours_every < 1:
-            raise InputError(f"contours_every is {self.contours_every}; it must be 1 or more")
+        for name in ("contours_every", "starts"):
+            if getattr(self, name) < 1:
+                raise InputError(f"{name} is {getattr(self, name)}; it must be 1 or more")
+        if self.start_angle is not None:
+            finite("start_angle", self.start_angle)
         if self.contours < 0:
             raise InputError(f"contours is {self.contours}; it must be zero or more")
         if self.contours == 0 and not self.hatch:
@@ -243,7 +251,18 @@ class Process:
         return replace(self, **changes)
 
 
-DELAYS = ("laser_on_delay", "laser_off_delay")
+NOT_NEGATIVE = (
+    "overlap",
+    "shortest_bead",
+    "hop_length",
+    "closing_overlap",
+    "allowance",
+    "lead_in",
+    "lead_out",
+    "rest_s",
+    "laser_on_delay",
+    "laser_off_delay",
+)
 POSITIVE_OPTIONS = (
     "contour_speed_mm_s",
     "bead_width",

@@ -13,7 +13,21 @@ from brep_slicer.errors import InputError
 
 from .values import as_written, positive
 
-RULED = ("pattern", "contours", "hatch", "hatch_angles", "hatch_angle_step", "both_ways", "stretch", "overlap")
+RULED = (
+    "pattern",
+    "contours",
+    "contours_outwards",
+    "hatch",
+    "hatch_angles",
+    "hatch_angle_step",
+    "both_ways",
+    "stretch",
+    "overlap",
+    "starts",
+    "left_handed",
+    "closing_rings",
+    "start_angle",
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -22,8 +36,7 @@ class Rule:
 
     It holds on layers from the first of `layers` to before the second (None: no end), on every so many of them, for pieces
     nowhere wider than `narrower_than` (mm) and, if `winds` is given, only for those that do, or do not, go all the way round.
-    `changes` are the parameters that differ there: pattern, contours, hatch, hatch_angles, hatch_angle_step, both_ways,
-    stretch, overlap.
+    `changes` are the parameters that differ there, of those in RULED.
 
     Raises
     ------

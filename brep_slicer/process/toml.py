@@ -17,8 +17,9 @@ from brep_slicer.errors import InputError
 
 from .parameters import Process
 from .rules import RULED, Rule
-from .values import CutAt, Fit, InnerPattern, LastLayer, Order, finite
+from .values import ANGLES, CutAt, Fit, InnerPattern, LastLayer, Order, finite
 
+SWITCHES = tuple(f.name for f in fields(Process) if f.type == "bool")
 # Keys of a rule that say where it holds.
 WHERE = ("layers", "every", "narrower_than", "winds")
 
@@ -60,7 +61,7 @@ def process_from_values(values: Mapping[str, Any], *, source: str = "process", *
 
 def _parameters(values: Mapping[str, Any], known: Sequence[str], source: str) -> dict[str, Any]:
     """Values by parameter names, from values by the names that a file has for them."""
-    names = {n + "_deg" if n in ("hatch_angles", "hatch_angle_step") else n: n for n in known}
+    names = {n + "_deg" if n in ("hatch_angles", *ANGLES) else n: n for n in known}
     wrong = [key for key in values if key not in names]
     if wrong:
         raise InputError(f"{source}: {wrong[0]} is no process parameter; known are {', '.join(sorted(names))}")
@@ -106,15 +107,15 @@ def _from_plain(name: str, value: Any, source: str) -> Any:
     if name == "hatch_angles":
         listed = value if isinstance(value, list) else [value]
         return tuple(math.radians(finite(name, a)) for a in listed)
-    if name == "hatch_angle_step":
+    if name in ANGLES:
         return math.radians(finite(name, value))
-    if name in ("both_ways", "hatch", "speed_follows_spacing", "alternate", "by_feature", "spread_starts"):
+    if name in SWITCHES:
         if not isinstance(value, bool):
             raise InputError(f"{source}: {name} is {value!r}; it must be true or false")
         return value
     if name == "rules":
         return tuple(_rule(table, source) for table in (value if isinstance(value, list) else [value]))
-    if name in ("contours", "contours_every"):
+    if name in ("contours", "contours_every", "starts"):
         if not isinstance(value, int) or isinstance(value, bool):
             raise InputError(f"{source}: {name} is {value!r}; it must be a whole number")
         return value

@@ -57,12 +57,16 @@ class CutAt(enum.Enum):
     MIDDLE = "middle"
 
 
+# Parameters that are one angle; files have them in degrees, and say so.
+ANGLES = ("hatch_angle_step", "start_angle")
+
+
 def as_written(name: str, value: Any) -> tuple[str, Any]:
     """A parameter's name and plain value in a process file: degrees for angles, strings for enums."""
     if name == "hatch_angles":
-        return "hatch_angles_deg", [math.degrees(a) for a in value]
-    if name == "hatch_angle_step":
-        return "hatch_angle_step_deg", math.degrees(value)
+        return name + "_deg", [math.degrees(a) for a in value]
+    if name in ANGLES:
+        return name + "_deg", None if value is None else math.degrees(value)
     if name == "rules":
         return name, [rule.as_dict() for rule in value]
     if isinstance(value, enum.Enum):

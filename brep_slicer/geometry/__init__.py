@@ -5,6 +5,7 @@ In: the parameters that the kernel read. Out: points and derivatives, in the axi
 
 from .brep import Brep, Edge, EdgeUse, Face
 from .edge_curves import BSplineEdge, ConicEdge, EdgeCurve, LineEdge
+from .patches import Patches, patches_of
 from .surfaces import BSplineSurface, BSplineSurfacePack, ElementarySurface, Extrusion, Revolution, Surface, SurfaceKind
 
 __all__ = [
@@ -20,7 +21,9 @@ __all__ = [
     "Extrusion",
     "Face",
     "LineEdge",
+    "Patches",
     "Revolution",
     "Surface",
     "SurfaceKind",
+    "patches_of",
 ]

@@ -104,6 +104,22 @@ def bernstein_with_slope(x: Array, degree: int) -> tuple[Array, Array]:
     return values, slope
 
 
+def bernstein_product(a: Array, b: Array) -> Array:
+    """Bernstein coefficients (n, p + r + 1, q + s + 1) of the products of a (n, p + 1, q + 1) and b (n, r + 1, s + 1).
+
+    C(p + r, k) c_k = sum over i + j = k of C(p, i) a_i C(r, j) b_j, along both parameters.
+    """
+    if a.shape[1] * a.shape[2] > b.shape[1] * b.shape[2]:
+        a, b = b, a
+    (p, q), (r, s) = ((x.shape[1] - 1, x.shape[2] - 1) for x in (a, b))
+    a, b = (x * np.outer(_binomials(x.shape[1] - 1), _binomials(x.shape[2] - 1)) for x in (a, b))
+    out = np.zeros((*np.broadcast_shapes(a.shape[:1], b.shape[:1]), p + r + 1, q + s + 1))
+    for i in range(p + 1):
+        for j in range(q + 1):
+            out[:, i : i + r + 1, j : j + s + 1] += a[:, i, j, None, None] * b
+    return out / np.outer(_binomials(p + r), _binomials(q + s))
+
+
 @functools.cache
 def _binomials(degree: int) -> Array:
     row = [1.0]

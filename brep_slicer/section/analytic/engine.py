@@ -86,12 +86,13 @@ def _arcs_on_face(
             out.append(solve(face, found, radii))
         out.append(loops_on_planes(brep, face, radii, busy, stretches.edge_level, stretches.vertex_rho))
         return out, []
-    stationary = solid.critical.inside[face.index]
-    closed = len(face.loops) > 1 or len(stationary) > 0
+    around = solid.critical.around[face.index]
+    closed = len(face.loops) > 1 or len(around) > 0
     if not len(found) and not closed:
         return out, []
     sides = np.array([stretches.vertex_rho[brep.edges[loop[0].edge].vertices[0]] for loop in face.loops])
-    return out, [TracedFace(face=face, found=found, stationary=stationary, sides=sides, closed=closed)]
+    peaks = radii_of(face.surface.points(solid.critical.inside[face.index]))
+    return out, [TracedFace(face=face, found=found, around=around, marks=np.concatenate([sides, peaks]), closed=closed)]
 
 
 def _assembled(

@@ -15,7 +15,8 @@ from brep_slicer.maps import Array
 
 # Grid lines a smooth patch of the surface, and the most along one side of a face.
 LINES_PER_PATCH, MOST_LINES, FEWEST_LINES = 8, 241, 49
-# Around each of so many stationary points the grid closes in by this many steps of four: to a 4096th of a cell.
+# Around each stationary point (of so many, the others get a line each way) the grid closes in by this many steps of four: to a
+# 4096th of a cell.
 MOST_PEAKS, CLOSING = 12, 6
 
 
@@ -39,12 +40,11 @@ class FaceGrid:
 def grid_of_face(face: Face, stationary: Array) -> FaceGrid:
     """Evaluate rho on a grid that respects the surface's patches.
 
-    `stationary` (n, 2) are points where rho has an extreme or a saddle inside of the face: grid lines go through them, and
-    close in on them, so that an island is found however little of it rises above the layer.
+    `stationary` (n, 2) are points where rho has, or may have, an extreme or a saddle: grid lines go through them, and close in
+    on them, so that an island is found however little of it rises above the layer.
     """
     u, v = (_lines(breaks) for breaks in face.surface.breaks(face.box))
-    some = stationary[:MOST_PEAKS]
-    u, v = (_closing_in(lines, some[:, k], face.box[:, k]) for k, lines in enumerate((u, v)))
+    u, v = (_closing_in(lines, stationary[:, k], face.box[:, k]) for k, lines in enumerate((u, v)))
     uv = np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1).reshape(-1, 2)
     points = face.surface.points(uv)
     rho = radii_of(points).reshape(len(u), len(v))
@@ -55,13 +55,13 @@ def grid_of_face(face: Face, stationary: Array) -> FaceGrid:
 
 
 def _closing_in(lines: Array, peaks: Array, ends: Array) -> Array:
-    """More lines at and around the peaks, each pair four times nearer than the one before."""
+    """More lines at the peaks, and around the first ones, each pair four times nearer than the one before."""
     if not len(peaks):
         return lines
     cell = float(np.diff(lines).max())
     steps = cell * 0.25 ** np.arange(1, CLOSING + 1)
-    offsets = np.concatenate([-steps, [0.0], steps])
-    extra = (peaks[:, None] + offsets).ravel()
+    offsets = np.concatenate([-steps, steps])
+    extra = np.concatenate([peaks, (peaks[:MOST_PEAKS, None] + offsets).ravel()])
     return np.unique(np.concatenate([lines, extra[(extra > ends[0]) & (extra < ends[1])]]))
 
 

@@ -40,14 +40,14 @@ CELLS_AWAY = 2.0
 class TracedFace:
     """A `face` to be traced, the nodes `found` on it; `closed` if level curves may close on it without meeting an edge.
 
-    `stationary` (n, 2) are the parameters of extremes and saddles of rho inside of the face, `sides` (loops,) the effective
-    radius of one vertex of each of its loops.
+    `around` (n, 2) are the parameters where rho is stationary, or may be; `marks` (m,) the effective radii of one vertex of
+    each of its loops and of its stationary points.
     """
 
     face: Face
     found: FaceNodes
-    stationary: Array
-    sides: Array
+    around: Array
+    marks: Array
     closed: bool
 
 
@@ -66,11 +66,10 @@ def arcs_on_traced_faces(traced: Sequence[TracedFace], radii: Array) -> list[Fac
             guided[i] |= layers
     for one, arcs, layers in zip(traced, out, guided, strict=True):
         if layers or one.closed:
-            grid = grid_of_face(one.face, one.stationary)
+            grid = grid_of_face(one.face, one.around)
             _guided(one.face, one.found, radii, sorted(layers), arcs, grid, closed=one.closed)
         if one.closed:
-            peaks = radii_of(one.face.surface.points(one.stationary))
-            _check_islands(one.face, one.found, radii, np.concatenate([one.sides, peaks]), arcs)
+            _check_islands(one.face, one.found, radii, one.marks, arcs)
     return out
 
 

@@ -35,7 +35,7 @@ SolidNames = Annotated[
     list[str] | None, typer.Option("--solid", help="Plan only this solid, by name or index; may be repeated.")
 ]
 Unit = Annotated[
-    str | None, typer.Option("--unit", help="Length unit of the file if it states none (or a wrong one): mm, cm, m, inch.")
+    str | None, typer.Option("--unit", help="Length unit of the file if it states none (or a wrong one): mm, cm, m, inch, ...")
 ]
 
 
@@ -264,6 +264,8 @@ def _layer_range(text: str | None) -> tuple[int | None, int | None] | None:
         first, last = (int(x) if x else None for x in text.split(":"))
     except ValueError:
         raise InputError(f"--layers is {text!r}; give a:b, as 0:3 for the first three") from None
+    if first is not None and last is not None and 0 <= last <= first:
+        raise InputError(f"--layers is {text!r}, which holds no layer; give a:b with a less than b, as 0:3 for the first three")
     return first, last
 
 
@@ -302,13 +304,30 @@ def view(folder: Annotated[Path, typer.Argument(help="Folder that `plan` has wri
 def main() -> None:
     """Entry point: every error that we know of is one line on standard error and an exit code."""
     try:
-        app()
+        sys.exit(app(standalone_mode=False) or 0)
     except BrepSlicerError as error:
-        typer.echo(f"brep-slicer: {' '.join(str(error).split())}", err=True)
-        sys.exit(error.exit_code)
+        _end(str(error), error.exit_code)
     except MemoryError:
-        typer.echo("brep-slicer: out of memory; plan fewer layers at once with --layers, or a coarser --chord", err=True)
-        sys.exit(2)
+        _end("out of memory; plan fewer layers at once with --layers, or a coarser --chord", 2)
+    except BrokenPipeError:
+        # whoever read our output has closed it
+        sys.stdout = sys.stderr
+        sys.exit(1)
+    except typer.Abort:
+        _end("stopped; nothing was written", 1)
+    except Exception as error:
+        # words that are no options of ours: the parser's own errors, whose class is not public
+        if not hasattr(error, "format_message"):
+            raise
+        message = str(error.format_message())
+        sys.exit(2) if not message else _end(
+            f"{message.rstrip('.')}; brep-slicer --help, or brep-slicer plan --help, lists what there is", 2
+        )
+
+
+def _end(message: str, code: int) -> None:
+    typer.echo(f"brep-slicer: {' '.join(message.split())}", err=True)
+    sys.exit(code)
 
 
 if __name__ == "__main__":

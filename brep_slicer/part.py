@@ -30,6 +30,7 @@ class Part:
     source: str
     unit: str
     notes: tuple[str, ...] = ()
+    others: tuple[Solid, ...] = ()
 
     @property
     def wrapped(self) -> Any:
@@ -55,7 +56,8 @@ class Part:
                 known = ", ".join(f"{s.index}: {s.name}" for s in self.solids)
                 raise InputError(f"{self.source}: there is no solid {key!r}; choose by name or index from {known}")
             chosen.append(found[0])
-        return replace(self, solids=tuple(chosen))
+        others = tuple(s for s in (*self.solids, *self.others) if s not in chosen)
+        return replace(self, solids=tuple(chosen), others=others)
 
 
 def read_step(path: str | Path, *, unit: str | None = None, solids: Sequence[str | int] | None = None) -> Part:

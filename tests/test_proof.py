@@ -122,6 +122,19 @@ def test_beads_that_pass_over_keep_their_bounds_and_speed_keeps_the_height():
         assert 0.75 * D <= gap <= 1.26 * D
 
 
+@pytest.mark.parametrize("ratio", [4.0, 8.0])
+def test_flanks_of_a_smooth_outline_run_from_tip_to_tip(ratio):
+    # an ellipse has no corner: its flanks are its two halves, and no bead is laid on another
+    s = np.linspace(0.0, 2.0 * math.pi, 241)[:-1]
+    turned = np.array([[math.cos(0.6), math.sin(0.6)], [-math.sin(0.6), math.cos(0.6)]])
+    outline = np.stack([40.0 * np.cos(s), 40.0 / ratio * np.sin(s)], axis=1) @ turned
+    region = polygon(*outline.tolist())
+    fill = fill_region(region, FlankFollowing(), **ON)
+    made = deposit_of(region, fill.beads, width=W, thickness=T, step_over=D)
+    assert coverage_of(region, fill.beads, W).bare_share < 0.015
+    assert 0.9 * T < made.mean < 1.1 * T
+
+
 def test_where_beads_would_be_squeezed_some_end():
     region = polygon((-15, 0), (15, 0), (4, 60), (-4, 60))
     fill = fill_region(region, FlankFollowing(), **ON)

@@ -126,6 +126,21 @@ def test_travels_clear_a_flange():
     assert low.max(initial=0.0) >= 70.0 or not len(low)
 
 
+def test_travels_clear_the_solids_that_were_not_chosen():
+    bd = pytest.importorskip("build123d")
+    shaft = bd.Solid.make_cylinder(40.0, 120.0) + bd.Solid.make_cylinder(70.0, 10.0, bd.Plane(origin=(0, 0, 50.0)))
+    bar = bd.Solid.make_box(50.0, 20.0, 120.0, bd.Plane((0.0, -10.0, 0.0)))
+    ends = bar - bd.Solid.make_box(200.0, 200.0, 30.0, bd.Plane((-100.0, -100.0, 40.0)))
+    keys = [s - bd.Solid.make_cylinder(40.0, 120.0) for s in ends.solids()]
+    whole = bs.as_part([shaft.solids()[0], *(k.solids()[0] for k in keys)])
+    plan = bs.plan(whole.select([1, 2]), bs.Process(layer_thickness=2.0, step_over=3.0), axis=Z, substrate=40.0)
+    path = plan.toolpath
+    between = ~path.deposits & (np.roll(path.v, 1) < 50.0) & (path.v > 60.0) & (np.roll(path.radius, 1) == path.radius)
+    assert between.any()
+    assert path.radius[between].min() >= 70.0
+    assert any("0 (" in warning and "obstacles to travels" in warning for warning in plan.warnings)
+
+
 def test_the_frame_of_the_file_is_kept():
     pytest.importorskip("build123d")
     import build123d as bd
@@ -189,7 +204,8 @@ def test_the_laser_is_switched_early(tooth_plan):
 
 
 def test_contours_at_a_speed_of_their_own(tooth_plan):
-    process = tooth_plan.process.updated(contours=1, contour_speed_mm_s=6.0)
+    # leads and what is laid before the start too: the laser is on with the contour's own speed
+    process = tooth_plan.process.updated(contours=1, contour_speed_mm_s=6.0, lead_in=2.0, lead_out=1.0, laser_on_delay=0.5)
     plan = bs.plan(tooth_plan.part, process, layers=(0, 2))
     path = plan.toolpath
     kinds = np.array([b.kind.value for fill in plan.fills for b in fill.beads])[path.bead]

@@ -5,7 +5,7 @@ In: a Layer and a Process. Out: a LayerFill. A new pattern gets its name in `pro
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -28,6 +28,8 @@ from .spacing import with_speed_by_spacing
 from .spiral import Spiral
 from .zigzag import Zigzag
 
+# Beads held at a limit of their speed along more than this share of their length are told of.
+MUCH = 0.1
 PatternChoice = Callable[[int, Piece], Pattern]
 
 
@@ -104,9 +106,21 @@ def fill_layer(layer: Layer, process: Process, pattern: PatternChoice | None = N
     if process.speed_follows_spacing and fill.beads:
         limits = (process.slowest, process.fastest)
         beads = with_speed_by_spacing(fill.beads, step_over=process.step_over, limits=limits, period=layer.region.period)
-        fill = replace(fill, beads=beads)
+        notes = _at_the_limit(beads, limits)
+        fill = replace(fill, beads=beads, notes=(*fill.notes, *notes))
     beads = with_overlap(fill.beads, process.closing_overlap)
     return replace(fill, beads=tuple(_at_contour_speed(bead, process) for bead in beads))
+
+
+def _at_the_limit(beads: Sequence[Bead], limits: tuple[float, float]) -> tuple[str, ...]:
+    """A note where the speeds that the spacing asks for are mostly beyond what is allowed."""
+    steps = [np.hypot(*np.diff(bead.points, axis=0).T) for bead in beads]
+    out = []
+    for limit, word in zip(limits, ("lower", "higher"), strict=True):
+        held = sum(float(s[b.speed[1:] == limit].sum()) for s, b in zip(steps, beads, strict=True) if b.speed is not None)
+        if limit != 1.0 and held > MUCH * sum(float(s.sum()) for s in steps):
+            out.append(f"the speed is held at {limit:g} times the usual along much of the beads: the height is {word} than t")
+    return tuple(out)
 
 
 def _at_contour_speed(bead: Bead, process: Process) -> Bead:

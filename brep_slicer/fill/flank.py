@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from brep_slicer.maps import Array
+from brep_slicer.maps import Array, lengths_along
 from brep_slicer.region import Piece
 
 from .bead import Bead, BeadKind
 from .hatch import Hatch
 from .inset import inset_piece, parts_of
 from .pattern import Cell, CellFill, Pattern
+from .skeleton import Skeleton
 
 # Two flanks are parallel when their directions differ by less than this (rad).
 PARALLEL = 1e-6
@@ -27,7 +28,11 @@ PARALLEL = 1e-6
 # The round end of a bead with a parabola's section holds as much metal as this length of it (in widths): pi / 16 / (2 / 3).
 ROUND_END = 3.0 * math.pi / 32.0
 # Flanks are followed by so many points.
-SAMPLES = 129
+SAMPLES = 257
+# An outline has a corner where it turns by more than this at a point.
+CORNER = math.radians(30.0)
+# A stretch whose ends are nearer to each other than this share of its length goes round something.
+HARDLY_BENT = 0.85
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,7 +40,8 @@ class FlankFollowing(Pattern):
     """Beads along the flanks, found from the section's own two longest edges; `both_ways` as in a hatch.
 
     Where the flanks are not parallel, the beads pass over from the one to the other, evenly spaced between `closest` and
-    `widest` times the step-over: where they would come nearer, all end, and fewer go on.
+    `widest` times the step-over: where they would come nearer, all but those along the flanks end, and fewer go on. Beads along
+    the skeleton fill what stays bare, as at the tips of a blade.
     """
 
     both_ways: bool = True
@@ -48,31 +54,52 @@ class FlankFollowing(Pattern):
 
     def fill(self, cell: Cell) -> CellFill:
         angle, spread = flank_direction(cell.piece)
-        if spread > PARALLEL and not cell.piece.winds:
+        if not cell.piece.winds and (spread > PARALLEL or not _straight(cell.piece)):
             return self._passing_over(cell, angle)
         made = Hatch(angle=angle, both_ways=self.both_ways).fill(cell)
         beads = tuple(replace(b, kind=BeadKind.FLANK) for b in made.beads)
         return replace(made, beads=beads)
 
     def _passing_over(self, cell: Cell, angle: float) -> CellFill:
-        import shapely
-
-        first, second = _flanks(cell, angle)
         inset = inset_piece(cell.piece, cell.inset, chord=cell.chord)
-        room = shapely.union_all(list(inset.polygons))
-        zones = _zones(_gaps(np.hypot(*(second - first).T) / cell.step_over, self.closest, self.widest))
         beads: list[Bead] = []
-        for begin, end, gaps in zones:
-            cuts = (begin > 0, end < SAMPLES - 1)
-            for j in range(gaps + 1):
-                share = j / gaps if gaps else 0.5
-                line = _without_ends((1.0 - share) * first[begin : end + 1] + share * second[begin : end + 1], cuts, cell.width)
-                parts = parts_of(line.intersection(room), "LineString")
-                found = [np.asarray(p.coords) for p in parts if p.length > cell.step_over]
+        changes = 0
+        for room in inset.polygons:
+            first, second = _flanks(np.asarray(room.exterior.coords), angle)
+            # the outermost beads run along its border; it lies inside of where they may be by the slack
+            room = room.buffer(0.1 * inset.slack)
+            zones = _zones(_gaps(np.hypot(*(second - first).T) / cell.step_over, self.closest, self.widest))
+            changes += len(zones) - 1
+            for j, line in enumerate(_lines(first, second, zones, cell.width)):
+                found = [
+                    np.asarray(p.coords) for p in parts_of(line.intersection(room), "LineString") if p.length > cell.step_over
+                ]
                 back = self.both_ways and j % 2 == 1
                 beads += [Bead(points=p[::-1] if back else p, kind=BeadKind.FLANK, piece=cell.index) for p in found]
-        notes = (f"beads end and fewer go on at {len(zones) - 1} places along its flanks",) if len(zones) > 1 else ()
+        beads += Skeleton().fill(replace(cell, laid=(*cell.laid, *beads))).beads
+        notes = ("beads end and fewer go on where its flanks come nearer",) if changes else ()
         return CellFill(beads=tuple(beads), inset=cell.inset, angle=angle, step_over=cell.step_over, notes=notes)
+
+
+def _lines(first: Array, second: Array, zones: list[tuple[int, int, int]], width: float) -> list:
+    """Lines from one flank to the other: along both flanks as far as there is room for two, and those that pass over between.
+
+    Each zone has so many spacings; a line that ends at another zone is shortened there by what its round end lays beyond it.
+    """
+    whole: list[tuple[int, int]] = []
+    inner: list[tuple[int, int, float]] = []
+    for begin, end, gaps in zones:
+        if gaps == 0:
+            inner.append((begin, end, 0.5))
+            continue
+        inner += [(begin, end, j / gaps) for j in range(1, gaps)]
+        whole = [*whole[:-1], (whole[-1][0], end)] if whole and whole[-1][1] == begin else [*whole, (begin, end)]
+    runs = [(a, b, 0.0) for a, b in whole] + sorted(inner, key=lambda run: run[2]) + [(a, b, 1.0) for a, b in whole]
+    last = len(first) - 1
+    return [
+        _without_ends((1.0 - share) * first[a : b + 1] + share * second[a : b + 1], (a > 0, b < last), width)
+        for a, b, share in runs
+    ]
 
 
 def _without_ends(points: Array, cuts: tuple[bool, bool], width: float):
@@ -84,18 +111,66 @@ def _without_ends(points: Array, cuts: tuple[bool, bool], width: float):
     return substring(line, cuts[0] * ROUND_END * width, max(line.length - cuts[1] * ROUND_END * width, 0.0))
 
 
-def _flanks(cell: Cell, angle: float) -> tuple[Array, Array]:
-    """The two longest edges moved inwards by the inset and a hair, (SAMPLES, 2) each, both run in the direction `angle`."""
-    curves = [curve for loop in cell.piece.outer for curve in loop.curves]
+def _straight(piece: Piece) -> bool:
+    """Whether a piece's two longest edges are straight lines."""
+    curves = [curve for loop in piece.outer for curve in loop.curves]
     longest = sorted(curves, key=lambda c: c.length())[-2:]
-    out, along = [], np.array([math.cos(angle), math.sin(angle)])
-    for curve in longest:
-        s = np.linspace(0.0, 1.0, SAMPLES)
-        p, d = curve.points(s), curve.derivatives(s)
-        # the piece lies on the left of its outline; the inset polygons err inwards by three chords at most
-        p = p + (cell.inset + 3.0 * cell.chord) * np.stack([-d[:, 1], d[:, 0]], axis=1) / np.hypot(d[:, 0], d[:, 1])[:, None]
-        out.append(p if float((p[-1] - p[0]) @ along) > 0.0 else p[::-1])
-    return out[0], out[1]
+    return all(c.length() - math.dist(c.start, c.end) <= PARALLEL**2 * c.length() for c in longest)
+
+
+def _flanks(ring: Array, angle: float) -> tuple[Array, Array]:
+    """The two flanks of a closed ring, (SAMPLES, 2) each, evenly along them and both run in the direction `angle`.
+
+    They are its two longest stretches between corners, if those lie opposite; else, as on a blade, which has its corners at its
+    tips or none, the two ways from one of the two places that are farthest apart to the other.
+    """
+    ring = ring[:-1] if np.array_equal(ring[0], ring[-1]) else ring
+    corners = np.flatnonzero(np.abs(_turns(ring)) > CORNER)
+    sides = _cut(ring, corners) if len(corners) > 1 else []
+    longest = sorted(sides, key=lambda p: float(lengths_along(p)[-1]))[-2:]
+    if not _opposite(longest):
+        hull = np.unique(_hull(ring))
+        apart = np.linalg.norm(ring[hull][:, None] - ring[hull][None], axis=2)
+        longest = _cut(ring, np.sort(hull[list(np.unravel_index(apart.argmax(), apart.shape))]))
+    forward = [float((p[-1] - p[0]) @ (math.cos(angle), math.sin(angle))) > 0.0 for p in longest]
+    first, second = (_evenly(longest[forward.index(way)]) for way in (True, False))
+    return first, second[::-1]
+
+
+def _turns(ring: Array) -> Array:
+    """By how much a closed ring turns at each of its points, rad."""
+    before, after = ring - np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0) - ring
+    return np.arctan2(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0], (before * after).sum(axis=1))
+
+
+def _cut(ring: Array, places: Array) -> list[Array]:
+    """The stretches of a closed ring between some of its points."""
+    turned = np.roll(ring, -int(places[0]), axis=0)
+    chain = np.concatenate([turned, turned[:1]])
+    marks = [*(places - places[0]).tolist(), len(ring)]
+    return [chain[a : b + 1] for a, b in itertools.pairwise(marks)]
+
+
+def _opposite(sides: list[Array]) -> bool:
+    """Whether two stretches of a ring, each hardly bent and none much shorter, run against each other."""
+    if len(sides) < 2:
+        return False
+    chords = np.array([p[-1] - p[0] for p in sides])
+    spans, lengths = np.hypot(*chords.T), np.array([lengths_along(p)[-1] for p in sides])
+    bent = (spans < HARDLY_BENT * lengths).any()
+    return not bent and lengths[0] > 0.5 * lengths[1] and float(chords[0] @ chords[1]) < -0.5 * float(spans.prod())
+
+
+def _hull(ring: Array) -> NDArray[np.int64]:
+    from scipy.spatial import ConvexHull
+
+    return np.asarray(ConvexHull(ring).vertices, dtype=np.int64)
+
+
+def _evenly(points: Array) -> Array:
+    along = lengths_along(points)
+    at = np.linspace(0.0, along[-1], SAMPLES)
+    return np.stack([np.interp(at, along, points[:, k]) for k in (0, 1)], axis=1)
 
 
 def _gaps(width: Array, closest: float, widest: float) -> NDArray[np.int64]:

@@ -37,7 +37,7 @@ class Skeleton(Pattern):
         shape = three_turns(cell.piece, cell.chord) if cell.piece.winds else polygon_from_piece(cell.piece, chord=cell.chord)
         bare = shape
         if cell.laid:
-            lines = [shapely.LineString(points) for points in _copies(cell)]
+            lines = [shapely.LineString(points) for points in _copies(cell, shape)]
             bare = shape.difference(shapely.union_all([line.buffer(0.5 * cell.width) for line in lines]))
             bare = shapely.MultiPolygon([p for p in parts_of(bare, "Polygon") if p.area > (SPOT * cell.width) ** 2])
         if bare.is_empty:
@@ -65,12 +65,18 @@ def _branches(polygon, cell: Cell) -> list:
     return parts_of(merged, "LineString")
 
 
-def _copies(cell: Cell) -> list[Array]:
-    """The beads that were laid, on a full turn with their copies a turn to either side and more."""
+def _copies(cell: Cell, shape) -> list[Array]:
+    """The beads that were laid; on a full turn with all their copies, whole turns away, that reach the shape."""
     if not cell.piece.winds:
         return [bead.points for bead in cell.laid]
-    period = cell.piece.outer[0].period
-    return [bead.points + np.array([k * period, 0.0]) for bead in cell.laid for k in range(-3, 4)]
+    period, (low, _, high, _) = cell.piece.outer[0].period, shape.bounds
+    out = []
+    for bead in cell.laid:
+        kappa = bead.points[:, 0]
+        first = math.ceil((low - cell.width - float(kappa.max())) / period)
+        last = math.floor((high + cell.width - float(kappa.min())) / period)
+        out += [bead.points + np.array([k * period, 0.0]) for k in range(first, last + 1)]
+    return out
 
 
 def _bead(points: Array, piece: int) -> Bead:

@@ -30,6 +30,9 @@ DEPOSIT, TRAVEL, METAL, OUTLINE = "#c8102e", "#1f5fbf", "#e9e4da", "#3c3c3c"
 # A page of layers shows at most this many; more are sampled evenly, first and last among them.
 MOST_PANELS = 12
 
+# Moves longer than this share of a turn would only cross the picture, and go the other way round as often as not.
+SHOWN_MOVES = 0.25
+
 
 def draw_layers(plan: Plan, path: str | Path) -> Path:
     """The unrolled layers, one panel each."""
@@ -45,7 +48,7 @@ def draw_layers(plan: Plan, path: str | Path) -> Path:
     for k, (layer, fill) in enumerate(chosen):
         draw_layer(figure.add_subplot(rows, columns, k + 1), layer, fill)
     shown = "" if len(chosen) == len(plan.layers) else f" ({len(chosen)} of {len(plan.layers)} shown)"
-    title = f"{Path(plan.part.source).name}: unrolled layers{shown} · deposition red, repositioning blue"
+    title = f"{Path(plan.part.source).name}: unrolled layers{shown} · deposition red, repositioning within a quarter turn blue"
     figure.suptitle(title, fontsize=11)
     return write_whole(path, lambda temporary: figure.savefig(temporary, metadata=_metadata(plan)))
 
@@ -67,7 +70,7 @@ def draw_layer(axes: Axes, layer: Layer, fill: LayerFill) -> None:
     moves = [
         _shown(np.array([a.points[-1], b.points[0]]), layer)
         for a, b in zip(fill.beads, fill.beads[1:], strict=False)
-        if np.hypot(*(b.points[0] - a.points[-1])) < 0.25 * layer.region.period
+        if np.hypot(*(b.points[0] - a.points[-1])) < SHOWN_MOVES * layer.region.period
     ]
     axes.add_collection(LineCollection(moves, colors=TRAVEL, linewidths=0.6, linestyles=(0, (3, 2)), zorder=1))
     axes.set_aspect("equal")

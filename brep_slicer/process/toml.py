@@ -5,6 +5,7 @@ In: a file, or names and values as they stand in one. Out: a Process, or an Inpu
 
 from __future__ import annotations
 
+import difflib
 import enum
 import math
 import tomllib
@@ -59,19 +60,21 @@ def process_from_values(values: Mapping[str, Any], *, source: str = "process", *
     return Process(**out)
 
 
-def _parameters(values: Mapping[str, Any], known: Sequence[str], source: str) -> dict[str, Any]:
+def _parameters(values: Mapping[str, Any], known: Sequence[str], source: str, also: Sequence[str] = ()) -> dict[str, Any]:
     """Values by parameter names, from values by the names that a file has for them."""
     names = {n + "_deg" if n in ("hatch_angles", *ANGLES) else n: n for n in known}
     wrong = [key for key in values if key not in names]
     if wrong:
-        raise InputError(f"{source}: {wrong[0]} is no process parameter; known are {', '.join(sorted(names))}")
+        near = difflib.get_close_matches(wrong[0], [*names, *also], n=1, cutoff=0.6)
+        mend = f"did you mean {near[0]}?" if near else f"known are {', '.join(sorted([*names, *also]))}"
+        raise InputError(f"{source}: {wrong[0]} is no process parameter{' that a rule may change' if also else ''}; {mend}")
     return {names[key]: _from_plain(names[key], value, source) for key, value in values.items()}
 
 
 def _rule(table: Any, source: str) -> Rule:
     if not isinstance(table, dict):
         raise InputError(f"{source}: rules is {table!r}; write each rule as a table, under [[rules]]")
-    changes = _parameters({k: v for k, v in table.items() if k not in WHERE}, RULED, f"{source}: in a rule")
+    changes = _parameters({k: v for k, v in table.items() if k not in WHERE}, RULED, f"{source}: in a rule", WHERE)
     where = {key: table[key] for key in WHERE if key in table}
     if "layers" in where:
         where["layers"] = _layers(where["layers"], source)

@@ -90,6 +90,8 @@ def finite(name: str, value: Any) -> float:
         number = float(value)
     except (TypeError, ValueError):
         raise InputError(f"{name} is {value!r}; it must be a number") from None
+    if isinstance(value, str):
+        raise InputError(f"{name} is {value!r}, a text; write the number without quotes")
     if isinstance(value, bool) or not math.isfinite(number):
         raise InputError(f"{name} is {value}; it must be a finite number")
     return number

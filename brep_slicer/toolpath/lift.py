@@ -114,7 +114,7 @@ def _with_leads(bead: Bead, motion: Motion) -> tuple[Array, Array, NDArray[np.bo
             way = points[0] - points[1] if end == 0 else points[-1] - points[-2]
             added = (points[end] + length / max(float(np.hypot(*way)), 1e-300) * way)[None]
             points = np.concatenate((added, points) if end == 0 else (points, added))
-            factor = np.concatenate(([1.0], factor) if end == 0 else (factor, [1.0]))
+            factor = np.concatenate((factor[:1], factor) if end == 0 else (factor, factor[-1:]))
             lead = np.concatenate(([off], lead) if end == 0 else (lead, [off]))
     return points, factor, lead
 

@@ -18,7 +18,9 @@ from brep_slicer.section import CutSolid, Engine, cut_solids
 from brep_slicer.substrate.axis import Axis, find_axis
 from brep_slicer.substrate.layers import LayerStack, stack_layers
 from brep_slicer.substrate.radius import Substrate, find_substrate
-from brep_slicer.toolpath import DepositLayer, Motion, Toolpath, lift_layers, obstacles_of
+from brep_slicer.toolpath import DepositLayer, Motion, Obstacles, Toolpath, lift_layers, obstacles_of
+
+from .warnings import warnings_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -116,10 +118,7 @@ def plan(
     highest = max(features) + process.allowance
     _check_step_over(part, process, highest)
     stack = stack_layers(chosen.radius, highest, process)
-    numbers = range(len(stack.radii))[slice(*layers)] if layers is not None else range(len(stack.radii))
-    if not numbers:
-        count = len(stack.radii)
-        raise InputError(f"{part.source}: layers {layers} are none of the {count} layers; give a:b within 0:{count}")
+    numbers = _chosen_layers(part, len(stack.radii), layers)
     cut = _cut(solids, stack, numbers, chosen, process, Engine(engine), progress)
     if all(not isinstance(layer, FailedLayer) and layer.region.is_empty for layer in cut):
         raise PlanningError(
@@ -127,8 +126,9 @@ def plan(
         )
     fills = tuple(_filled(layer, process, pattern) for layer in cut)
     _check_beads(part, process, cut, fills)
-    standing = obstacles_of([s.brep for s in solids if s.index in chosen.solids], chosen.radius)
+    standing = _standing(part, axis, [s for s in solids if s.index in chosen.solids], chosen.radius)
     toolpath = lift_layers(_deposits(cut, fills, stack, process.by_feature), motion_of(process), axis, standing)
+    notes = [*part.notes, *chosen.warnings, *stack.notes, *_unplanned(part)]
     return Plan(
         part=part,
         process=process,
@@ -140,8 +140,21 @@ def plan(
         layers=cut,
         fills=fills,
         toolpath=toolpath,
-        warnings=tuple([*part.notes, *chosen.warnings, *stack.notes, *_warnings(cut, fills)]),
+        warnings=(*notes, *warnings_of(cut, fills, process)),
     )
+
+
+def _standing(part: Part, axis: Axis, solids: Sequence[CutSolid], radius: float) -> Obstacles:
+    """What no travel goes through: the solids that stand, and those of the file that were not chosen to be built."""
+    others = cut_solids(replace(part, solids=part.others), axis)
+    return obstacles_of([s.brep for s in (*solids, *others)], radius)
+
+
+def _unplanned(part: Part) -> list[str]:
+    if not part.others:
+        return []
+    names = ", ".join(f"{s.index} ({s.name})" for s in part.others)
+    return [f"solids that were not chosen are taken to stand, as obstacles to travels, and not to be built: {names}"]
 
 
 def _check_step_over(part: Part, process: Process, highest: float) -> None:
@@ -237,15 +250,12 @@ def motion_of(process: Process) -> Motion:
     )
 
 
-def _warnings(layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill]) -> list[str]:
-    out = []
-    for layer, fill in zip(layers, fills, strict=True):
-        if isinstance(layer, FailedLayer):
-            out.append(f"layer {layer.index} (R {layer.radius:.6g} mm) failed: {layer.reason}")
-        elif layer.region.is_empty:
-            out.append(f"layer {layer.index} (R {layer.radius:.6g} mm) meets no metal")
-        out += [f"layer {layer.index}: {note}" for note in fill.notes]
-    return out
+def _chosen_layers(part: Part, count: int, layers: tuple[int | None, int | None] | None) -> range:
+    numbers = range(count)[slice(*(layers or (None, None)))]
+    if not numbers:
+        asked = ":".join("" if x is None else str(x) for x in layers or (None, None))
+        raise InputError(f"{part.source}: layers {asked} are none of the {count} layers; give a:b within 0:{count}")
+    return numbers
 
 
 def check_complete(made: Plan) -> None:

@@ -1,0 +1,85 @@
+"""What a plan warns of, in as few lines as tell it.
+
+In: layers, their fills, the process. Out: sentences; the same note on several layers and pieces is one.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from brep_slicer.fill import LayerFill
+from brep_slicer.process import Process
+from brep_slicer.region import FailedLayer, Layer
+
+# Beads that hold more metal than this share of a layer's, or less, are warned of. Half a bead of room on all sides leaves a
+# third of a small piece; a bead wider than its piece is told of by itself.
+MOST_METAL, LEAST_METAL = 1.5, 1.0 / 3.0
+_PIECE = re.compile(r"^piece (\d+): ")
+
+
+def warnings_of(layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill], process: Process) -> list[str]:
+    """Failed and empty layers, what patterns had to say, and beads that hold far more or less metal than their layer."""
+    out, notes = [], []
+    for layer, fill in zip(layers, fills, strict=True):
+        if isinstance(layer, FailedLayer):
+            out.append(f"layer {layer.index} (R {layer.radius:.6g} mm) failed: {layer.reason}")
+        elif layer.region.is_empty:
+            out.append(f"layer {layer.index} (R {layer.radius:.6g} mm) meets no metal")
+        notes += [(layer.index, note) for note in fill.notes]
+    if process.width < process.step_over:
+        out.append(f"beads {process.width:.4g} mm wide and {process.step_over:.4g} mm apart leave bare metal between them")
+    return [*out, *_grouped(notes), *_metal(layers, fills, process)]
+
+
+def _grouped(notes: Iterable[tuple[int, str]]) -> list[str]:
+    """One sentence for each thing that is said, with the layers and the pieces it is said of."""
+    said: dict[str, tuple[set[int], set[int]]] = {}
+    for layer, note in notes:
+        found = _PIECE.match(note)
+        layers, pieces = said.setdefault(_PIECE.sub("", note), (set(), set()))
+        layers.add(layer)
+        if found:
+            pieces.add(int(found[1]))
+    return [
+        f"{_numbers('layer', layers)}{', ' + _numbers('piece', pieces) if pieces else ''}: {note}"
+        for note, (layers, pieces) in said.items()
+    ]
+
+
+def _numbers(word: str, numbers: set[int]) -> str:
+    """'layer 3', 'layers 3 to 8, 12'."""
+    runs: list[list[int]] = []
+    for n in sorted(numbers):
+        if runs and n == runs[-1][1] + 1:
+            runs[-1][1] = n
+        else:
+            runs.append([n, n])
+    text = ", ".join(f"{a}" if a == b else f"{a} to {b}" for a, b in runs)
+    return f"{word}{'s' if len(numbers) > 1 else ''} {text}"
+
+
+def _metal(layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill], process: Process) -> list[str]:
+    """t d times the beads' length (slower where their speed is less) against t times the area, layer by layer."""
+    off = {}
+    for layer, fill in zip(layers, fills, strict=True):
+        if isinstance(layer, Layer) and fill.beads and layer.area > 0.0:
+            laid = math.fsum(_equal_length(bead) for bead in fill.beads) * process.step_over / layer.area
+            if not LEAST_METAL <= laid <= MOST_METAL:
+                off[layer.index] = laid
+    if not off:
+        return []
+    low, high = min(off.values()), max(off.values())
+    share = f"{low:.2g}" if high < 1.05 * low else f"{low:.2g} to {high:.2g}"
+    return [f"{_numbers('layer', set(off))}: the beads hold {share} times the metal that the layer needs; --proof shows where"]
+
+
+def _equal_length(bead) -> float:
+    """The length (mm) at the common speed that holds as much metal as a bead."""
+    steps = np.hypot(*np.diff(bead.points, axis=0).T)
+    if bead.speed is None:
+        return float(steps.sum())
+    return float((steps / (0.5 * (bead.speed[1:] + bead.speed[:-1]))).sum())

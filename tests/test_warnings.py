@@ -1,0 +1,54 @@
+"""What a plan warns of."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import brep_slicer as bs
+from brep_slicer.planning.warnings import warnings_of
+
+T, D = 1.4, 3.4
+
+
+@pytest.fixture(scope="module")
+def plan():
+    part = bs.read_step(Path(__file__).resolve().parent.parent / "fixtures" / "step" / "spur_gear_tooth.step")
+    return bs.plan(part, bs.Process(layer_thickness=T, step_over=D), layers=(0, 5))
+
+
+def test_nothing_where_nothing_is_amiss(plan):
+    assert warnings_of(plan.layers, plan.fills, plan.process) == []
+
+
+def test_a_note_on_several_layers_and_pieces_is_one_line(plan):
+    notes = [("piece 0: thin", "piece 1: thin"), (), ("piece 0: thin",), ("piece 4: thin", "cold"), ("cold",)]
+    fills = [replace(fill, notes=said) for fill, said in zip(plan.fills, notes, strict=True)]
+    assert warnings_of(plan.layers, fills, plan.process) == [
+        "layers 0, 2 to 3, pieces 0 to 1, 4: thin",
+        "layers 3 to 4: cold",
+    ]
+
+
+def test_beads_that_hold_too_much_or_too_little_metal(plan):
+    twice = [replace(fill, beads=fill.beads * 2) if i in (1, 2) else fill for i, fill in enumerate(plan.fills)]
+    (said,) = warnings_of(plan.layers, twice, plan.process)
+    assert said.startswith("layers 1 to 2: the beads hold 1.")
+    few = [replace(fill, beads=fill.beads[:2]) if i == 3 else fill for i, fill in enumerate(plan.fills)]
+    (said,) = warnings_of(plan.layers, few, plan.process)
+    assert said.startswith("layer 3: the beads hold 0.")
+
+
+def test_slower_beads_hold_more_metal(plan):
+    import numpy as np
+
+    slow = [replace(f, beads=tuple(replace(b, speed=np.full(len(b.points), 0.5)) for b in f.beads)) for f in plan.fills]
+    (said,) = warnings_of(plan.layers, slow, plan.process)
+    assert said.startswith("layers 0 to 4: the beads hold 1.")
+
+
+def test_beads_narrower_than_their_distance(plan):
+    (said,) = warnings_of(plan.layers, plan.fills, plan.process.updated(bead_width=3.0))
+    assert "leave bare metal between them" in said

@@ -12,7 +12,7 @@ import numpy as np
 from brep_slicer.maps import Array
 
 from .bead import Bead, BeadKind
-from .inset import inset_piece, three_turns_moved
+from .inset import from_the_lowest, inset_piece, three_turns_moved
 from .pattern import Cell, CellFill, Pattern
 
 
@@ -44,7 +44,7 @@ def rings_at(cell: Cell, distance: float) -> list[Array]:
     """Closed lines (n, 2) at `distance` inside of the outline; on a full turn also those that go all the way round."""
     if not cell.piece.winds:
         inset = inset_piece(cell.piece, distance, chord=cell.chord)
-        return [np.asarray(ring.coords) for p in inset.polygons for ring in (p.exterior, *p.interiors)]
+        return [from_the_lowest(np.asarray(ring.coords)) for p in inset.polygons for ring in (p.exterior, *p.interiors)]
     shape = three_turns_moved(cell.piece, distance, chord=cell.chord)
     period = cell.piece.outer[0].period
     cut = float(cell.piece.outer[0].curves[0].start[0])

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 QUARTER_SEGMENTS = 32
 # Mitres end at this multiple of the offset; sharper corners are cut off, which errs inwards.
 MITRE_LIMIT = 10.0
+# Corners are as low as each other within this, mm: more than the rounding of an offset.
+SAME_HEIGHT = 1e-6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -112,6 +114,17 @@ def parts_of(shape, kind: str) -> list:
 
 def _polygons(shape) -> tuple[Polygon, ...]:
     return tuple(g for g in parts_of(shape, "Polygon") if g.area > 0.0)
+
+
+def from_the_lowest(ring: Array) -> Array:
+    """A closed ring (n, 2) run from its lowest corner on (of several as low, the one of the least kappa).
+
+    Where a ring starts must not depend on how its piece was drawn: equal pieces get equal beads.
+    """
+    corners = ring[:-1]
+    lowest = np.flatnonzero(corners[:, 1] < corners[:, 1].min() + SAME_HEIGHT)
+    rolled = np.roll(corners, -int(lowest[corners[lowest, 0].argmin()]), axis=0)
+    return np.concatenate([rolled, rolled[:1]])
 
 
 def edges_of(polygons) -> tuple[Array, Array]:

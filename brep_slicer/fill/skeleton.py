@@ -48,11 +48,17 @@ class Skeleton(Pattern):
             found = found.intersection(bare.buffer(REACH * cell.width))
         if cell.piece.winds:
             found = found.intersection(window_of(cell.piece, shape))
-        merged = shapely.line_merge(found) if not found.is_empty else found
-        chains = [np.asarray(line.coords) for line in parts_of(merged, "LineString")]
-        long = [c for c in chains if np.hypot(*np.diff(c, axis=0).T).sum() >= REACH * cell.width]
-        beads = tuple(_bead(_thinned(c, cell.chord), cell.index) for c in long)
+        long = [line for line in _merged(found) if line.length >= REACH * cell.width]
+        # again: where a short branch left, two long ones are now one
+        chains = [np.asarray(line.coords) for line in _merged(shapely.MultiLineString(long))]
+        beads = tuple(_bead(_thinned(c, cell.chord), cell.index) for c in chains)
         return CellFill(beads=beads, inset=cell.inset)
+
+
+def _merged(lines) -> list:
+    import shapely
+
+    return parts_of(lines if lines.is_empty else shapely.line_merge(lines), "LineString")
 
 
 def _branches(polygon, cell: Cell) -> list:
@@ -61,8 +67,7 @@ def _branches(polygon, cell: Cell) -> list:
     axis = medial_axis(polygon, chord=cell.chord)
     keep = axis.angle > CORNER
     pieces = np.stack([axis.starts[keep], axis.ends[keep]], axis=1)
-    merged = shapely.line_merge(shapely.MultiLineString(list(pieces))) if len(pieces) else shapely.MultiLineString()
-    return parts_of(merged, "LineString")
+    return _merged(shapely.MultiLineString(list(pieces)))
 
 
 def _copies(cell: Cell, shape) -> list[Array]:

@@ -18,7 +18,7 @@ from brep_slicer.maps import Array, lengths_along
 
 from .bead import Bead, BeadKind
 from .cladding import Helix
-from .inset import inset_piece
+from .inset import from_the_lowest, inset_piece
 from .pattern import Cell, CellFill, Pattern
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ class Spiral(Pattern):
         if nest[0].interiors:
             rings = [np.asarray(r.coords) for p in nest for r in (p.exterior, *p.interiors)]
             return [Bead(points=r, kind=BeadKind.CONTOUR, piece=cell.index, closed=True) for r in rings]
-        points = _spiral([np.asarray(p.exterior.coords) for p in nest], SPACING * cell.step_over)
+        points = _spiral([from_the_lowest(np.asarray(p.exterior.coords)) for p in nest], SPACING * cell.step_over)
         bead = Bead(points=points, kind=BeadKind.SPIRAL, piece=cell.index, closed=len(nest) == 1)
         return [bead.reversed() if self.outwards else bead]
 

@@ -23,6 +23,8 @@ CORNER = math.radians(95.0)
 SPOT = 0.1
 # A bead along the skeleton reaches this share of its width into what is covered already, and is at least so long.
 REACH = 0.25
+# Ends of branches within this are one, mm: the Voronoi diagram's whole numbers are about as fine.
+SAME_PLACE = 1e-7
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,6 +60,7 @@ class Skeleton(Pattern):
 def _merged(lines) -> list:
     import shapely
 
+    lines = shapely.set_precision(lines, SAME_PLACE, mode="pointwise")
     return parts_of(lines if lines.is_empty else shapely.line_merge(lines), "LineString")
 
 

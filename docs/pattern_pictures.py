@@ -35,41 +35,52 @@ def layer_of(name: str, radius: float):
 
 
 def main() -> None:
-    """Patterns on a tooth, a blade and a full turn with a keyway, with the share that they leave bare."""
+    """Patterns on a tooth, blades and a full turn with a keyway, with the share that they leave bare."""
     tooth, blade, band = layer_of("helical_gear_tooth", 165.0), layer_of("propeller", 80.0), layer_of("keyed_band", 50.0)
     overlap = 2.0 * D - W
-    cases = [
-        ("hatch, both ways", tooth, Hatch(angle=np.radians(30.0))),
+    slanted = Hatch(angle=np.radians(30.0))
+    pieces = [
+        ("hatch, both ways", tooth, slanted),
         ("zigzag", tooth, Zigzag(angle=np.radians(30.0))),
         ("along the flanks", tooth, FlankFollowing()),
-        (
-            "contour and hatch",
-            tooth,
-            PatternSequence(patterns=(Contours(count=1), Hatch(angle=np.radians(30.0))), overlap=overlap),
-        ),
+        ("contour and hatch", tooth, PatternSequence(patterns=(Contours(count=1), slanted), overlap=overlap)),
         ("contours", tooth, Contours(count=None)),
         ("spiral", tooth, PatternSequence(patterns=(Spiral(), Skeleton()))),
-        ("hatch", blade, Hatch(angle=np.radians(30.0))),
-        ("contours alone", blade, Contours(count=None)),
+        ("skeleton", tooth, Skeleton()),
+        (
+            "contours, outwards, and skeleton",
+            tooth,
+            PatternSequence(patterns=(Contours(count=None, outwards=True), Skeleton())),
+        ),
         ("contours and skeleton", blade, PatternSequence(patterns=(Contours(count=None), Skeleton()))),
-        ("rings", band, Rings()),
-        ("helix with closing beads", band, Helix(closing_rings=True)),
-        ("hatch round a full turn", band, Hatch(angle=np.radians(60.0))),
+        ("from flank to flank", blade, FlankFollowing()),
     ]
-    figure = Figure(figsize=(15, 15), layout="constrained")
-    grid = figure.add_gridspec(4, 3, height_ratios=[1.0, 1.0, 1.0, 0.25])
-    for k, (name, layer, pattern) in enumerate(cases):
-        region = layer.region
-        fill = fill_region(region, pattern, step_over=D, width=W, inset=0.0 if layer is not band else 0.5 * W, chord=0.01)
-        ax = figure.add_subplot(grid[k // 3, k % 3])
-        draw_layer(ax, layer, fill)
+    turns = [
+        ("rings", Rings()),
+        ("helix with closing beads", Helix(closing_rings=True)),
+        ("three left-handed helices", Helix(starts=3, left_handed=True)),
+        ("hatch round a full turn", Hatch(angle=np.radians(60.0))),
+    ]
+    figure = Figure(figsize=(15, 20), layout="constrained")
+    grid = figure.add_gridspec(7, 4, height_ratios=[1.0, 1.0, 1.0, 0.55, 0.55, 0.55, 0.55])
+    for k, (name, layer, pattern) in enumerate(pieces):
+        ax = figure.add_subplot(grid[k // 4, k % 4])
+        _panel(ax, name, layer, pattern, 0.0)
         if layer is blade:
-            k0, v0, k1, v1 = region.pieces[0].bounds()
+            k0, v0, k1, v1 = layer.region.pieces[0].bounds()
             ax.set_xlim(k0 - 2.0, k1 + 2.0)
             ax.set_ylim(v0 - 2.0, v1 + 2.0)
-        bare = 100.0 * coverage_of(region, fill.beads, W).bare_share
-        ax.set_title(f"{name}: {len(fill.beads)} beads, {bare:.2f} % bare", fontsize=11)
+    for k, (name, pattern) in enumerate(turns):
+        _panel(figure.add_subplot(grid[3 + k, :]), name, band, pattern, 0.5 * W)
     figure.savefig(HERE / "patterns.png", dpi=80)
+
+
+def _panel(ax, name: str, layer, pattern, inset: float) -> None:
+    """One pattern on one layer, titled with its beads and what it leaves bare."""
+    fill = fill_region(layer.region, pattern, step_over=D, width=W, inset=inset, chord=0.01)
+    draw_layer(ax, layer, fill)
+    bare = 100.0 * coverage_of(layer.region, fill.beads, W).bare_share
+    ax.set_title(f"{name}: {len(fill.beads)} beads, {bare:.2f} % bare", fontsize=10)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from brep_slicer.proof import deposit_of
-from brep_slicer.region import Layer
+from brep_slicer.region import Layer, Piece
 
 from .atomic import write_whole
 
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 # Height maps shown, of layers spread evenly.
 MOST_MAPS = 3
+# Pieces are as large as each other within this share.
+ALIKE = 1e-3
 
 
 def draw_proof(plan: Plan, proof: list[dict[str, Any]], path: str | Path) -> Path:
@@ -38,13 +40,15 @@ def draw_proof(plan: Plan, proof: list[dict[str, Any]], path: str | Path) -> Pat
         made = deposit_of(layer.region, fill.beads, width=plan.process.width, thickness=t, step_over=plan.process.step_over)
         extent = (made.kappa[0], made.kappa[-1], made.v[0], made.v[-1])
         image = ax.imshow(made.heights / t, origin="lower", extent=extent, cmap="RdBu_r", vmin=0.0, vmax=2.0, aspect="equal")
-        # the largest piece: the others are its like, or small
-        k0, v0, k1, v1 = max(layer.region.pieces, key=lambda piece: piece.area()).bounds()
+        k0, v0, k1, v1 = _shown_piece(layer).bounds()
         ax.set_xlim(k0 - 2.0, k1 + 2.0)
         ax.set_ylim(v0 - 2.0, v1 + 2.0)
+        ax.locator_params(axis="x", nbins=4)
+        count = len(layer.region.pieces)
+        one_of = f" (1 of {count} pieces shown)" if count > 1 else ""
         row = next(r for r in proof if r["layer"] == layer.index)
         ax.set_title(
-            f"layer {layer.index}: height / t, mean {made.mean / t:.3f}\nbare {100 * row['bare_share']:.2f} %, duty"
+            f"layer {layer.index}: height / t, mean {made.mean / t:.3f}{one_of}\nbare {100 * row['bare_share']:.2f} %, duty"
             f" {100 * (row['duty'] or 0.0):.0f} %, {row['starts']} starts",
             fontsize=9,
         )
@@ -54,6 +58,16 @@ def draw_proof(plan: Plan, proof: list[dict[str, Any]], path: str | Path) -> Pat
         figure.colorbar(image, ax=list(axes[:-1]), shrink=0.7, label="simulated height / t")
     _histogram(axes[-1], proof, plan.process.step_over)
     return write_whole(path, lambda temporary: figure.savefig(temporary))
+
+
+def _shown_piece(layer: Layer) -> Piece:
+    """The largest piece, and of several as large the one nearest to kappa = 0: the same from layer to layer."""
+    pieces = layer.region.pieces
+    largest = max(piece.area() for piece in pieces)
+    return min(
+        (piece for piece in pieces if piece.area() > (1.0 - ALIKE) * largest),
+        key=lambda piece: abs(piece.bounds()[0] + piece.bounds()[2]),
+    )
 
 
 def _histogram(ax: Any, proof: list[dict[str, Any]], step_over: float) -> None:

@@ -188,9 +188,9 @@ def test_a_failed_layer_writes_the_report_alone(tmp_path, monkeypatch):
     from brep_slicer.errors import LayerError
     from brep_slicer.output.write import write_plan
     from brep_slicer.planning import check_complete
-    from brep_slicer.region import slicing
+    from brep_slicer.section import engines
 
-    real = slicing.sections_by_analysis
+    real = engines.sections_by_analysis
 
     def broken(solid, radii):
         found = real(solid, radii)
@@ -200,8 +200,8 @@ def test_a_failed_layer_writes_the_report_alone(tmp_path, monkeypatch):
     def no_second_opinion(*args, **kwargs):
         raise LayerError("neither can this one")
 
-    monkeypatch.setattr(slicing, "sections_by_analysis", broken)
-    monkeypatch.setattr(slicing, "section_by_boolean", no_second_opinion)
+    monkeypatch.setattr(engines, "sections_by_analysis", broken)
+    monkeypatch.setattr(engines, "section_by_boolean", no_second_opinion)
     plan = bs.plan(bs.read_step(TOOTH), bs.Process(layer_thickness=1.4, step_over=3.4), layers=(0, 3))
     assert [layer.failed for layer in plan.layers] == [False, True, False]
     assert [p.name for p in write_plan(plan, tmp_path)] == ["report.json"]
@@ -216,9 +216,9 @@ def test_a_failed_layer_writes_the_report_alone(tmp_path, monkeypatch):
 
 def test_a_fallback_is_said(monkeypatch):
     from brep_slicer.errors import LayerError
-    from brep_slicer.region import slicing
+    from brep_slicer.section import engines
 
-    monkeypatch.setattr(slicing, "sections_by_analysis", lambda solid, radii: [LayerError("made to fail")] * len(radii))
+    monkeypatch.setattr(engines, "sections_by_analysis", lambda solid, radii: [LayerError("made to fail")] * len(radii))
     (layer,) = bs.slice_part(bs.read_step(TOOTH), [170.0])
     assert layer.certificate.engine is bs.Engine.BOOLEAN
     assert layer.certificate.fallback == "made to fail"

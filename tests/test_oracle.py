@@ -9,7 +9,7 @@ import brep_slicer as bs
 from brep_slicer.errors import LayerError
 from brep_slicer.section import cut_solids
 from brep_slicer.section.analytic import sections_by_analysis
-from brep_slicer.testing.oracle import area_by_flux
+from brep_slicer.testing import area_by_flux
 
 Z = bs.axis_from_text("Z")
 # relative: what the oracle's own quadrature is good for on each fixture (kinks that its panels do not know of)

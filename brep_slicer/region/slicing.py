@@ -6,7 +6,6 @@ In: a part, radii, an axis. Out: one Layer or FailedLayer per radius.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,8 +14,7 @@ from brep_slicer.errors import LayerError
 from brep_slicer.part import as_part
 from brep_slicer.process import check_radii
 from brep_slicer.section import Certificate, CutSolid, Engine, cut_solids
-from brep_slicer.section.analytic import sections_by_analysis
-from brep_slicer.section.boolean import section_by_boolean
+from brep_slicer.section.engines import SolidSections
 from brep_slicer.substrate.axis import Axis, find_axis
 
 from .layer import FailedLayer, Layer
@@ -88,24 +86,23 @@ def slice_solids(
 
 
 def _sections(solid: CutSolid, radii: Sequence[float], engine: Engine) -> Callable[[int], Section]:
-    """A solid's section at radius number i (the analytic engine finds all of them at once, the other one by one)."""
-    ahead = sections_by_analysis(solid, np.asarray(radii)) if engine is Engine.ANALYTIC else None
+    """A solid's section at radius number i as a region; a region that the loops do not make sends the layer to the fallback."""
+    sections = SolidSections(solid, radii, engine)
 
     def section(i: int) -> Section:
-        reason = ""
-        if ahead is not None:
-            try:
-                found = ahead[i]
-                if not isinstance(found, LayerError):
-                    return region_from_loops(radii[i], found[0]), found[1]
-                reason = str(found)
-            except LayerError as error:
-                reason = str(error)
+        loops = sections.section(i)
+        if isinstance(loops, LayerError):
+            return loops
         try:
-            loops, certificate = section_by_boolean(solid.wrapped, radii[i], critical=solid.critical.radii)
-            return region_from_loops(radii[i], loops), replace(certificate, fallback=reason)
+            return region_from_loops(radii[i], loops[0]), loops[1]
         except LayerError as error:
-            return LayerError(f"{error}; before that: {reason}" if reason else str(error))
+            if loops[1].fallback or loops[1].engine is Engine.BOOLEAN:
+                return error
+            second = sections.fallback(i, str(error))
+        try:
+            return second if isinstance(second, LayerError) else (region_from_loops(radii[i], second[0]), second[1])
+        except LayerError as error:
+            return error
 
     return section
 

@@ -1,0 +1,100 @@
+"""Both engines behind one function: who cuts, who is asked next, and when nobody is believed.
+
+In: a CutSolid, radii, the engine asked for. Out: each radius's loops with their certificate, or the reason why there are none.
+
+The analytic engine cuts all radii at once. Where it does not vouch for one, the boolean is asked, and what it says is held
+against the surface integral: near tangencies OCCT's common may be empty or partial, and its own checks, all by one routine,
+agree. If it is not believed either, the analytic engine is asked a little farther out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+
+from brep_slicer.curves import Loop
+from brep_slicer.errors import LayerError
+from brep_slicer.maps import Array
+
+from .analytic import sections_by_analysis
+from .boolean import clear_radius, section_by_boolean
+from .certificate import Certificate, Engine
+from .cut_solid import CutSolid
+from .oracle import area_by_flux, areas_by_flux
+
+Found = tuple[list[Loop], Certificate] | LayerError
+# How far outside of a radius the analytic engine is asked again, mm: beyond the noise of tangencies, within the boolean's step.
+STEPS = np.array([1e-7, 1e-6, 1e-5])
+# The quick surface integral is good to this share of a solid's largest section; the exact one judges what differs by more.
+QUICK = 1e-3
+# Solids of so few faces are judged by the exact one at once.
+FEW_FACES = 30
+# Panels of the exact one; its two results tell what it is good for. An area may differ by so many times that, and by a share of
+# itself: kinks that the panels do not know of.
+PANELS, NOISE, SHARE = (6, 9), 4.0, 5e-3
+
+
+class SolidSections:
+    """The sections of one solid at `radii` (mm, increasing), by the engine asked for and by who is asked after it."""
+
+    def __init__(self, solid: CutSolid, radii: Sequence[float], engine: Engine) -> None:
+        self.solid, self.radii = solid, np.asarray(radii, dtype=float)
+        self.ahead = sections_by_analysis(solid, self.radii) if engine is Engine.ANALYTIC else None
+
+    def section(self, i: int) -> Found:
+        """At radius number i; a fallback is cut when it is asked for."""
+        if self.ahead is None:
+            return self.fallback(i, "")
+        found = self.ahead[i]
+        return self.fallback(i, str(found)) if isinstance(found, LayerError) else found
+
+    def fallback(self, i: int, reason: str) -> Found:
+        """The boolean's section if the surface integral agrees, else the analytic one a little farther out."""
+        solid, radius = self.solid, float(self.radii[i])
+        try:
+            loops, certificate = section_by_boolean(solid.wrapped, radius, critical=solid.critical.radii)
+            used, _ = clear_radius(radius, solid.critical.radii)
+            return loops, self._agreed(i, used, loops, replace(certificate, fallback=reason))
+        except LayerError as error:
+            reason = f"{error}; before that: {reason}" if reason else str(error)
+        for step, found in zip(STEPS.tolist(), sections_by_analysis(solid, radius + STEPS), strict=True):
+            if isinstance(found, LayerError):
+                continue
+            loops = [loop.on_radius(radius) for loop in found[0]]
+            moved = max(found[1].residual, math.sqrt(2.0 * radius * step))
+            try:
+                return loops, self._agreed(i, radius + step, loops, replace(found[1], residual=moved, fallback=reason))
+            except LayerError:
+                continue
+        return LayerError(reason)
+
+    @cached_property
+    def _quick(self) -> Array:
+        """Areas (mm**2) by the quick surface integral at all radii, all a boolean's step farther out."""
+        return areas_by_flux(self.solid.brep, self.radii + STEPS[-1], level=self.solid.stretches.face_level)
+
+    def _agreed(self, i: int, used: float, loops: list[Loop], certificate: Certificate) -> Certificate:
+        """The certificate with the surface integral's word.
+
+        Raises
+        ------
+        LayerError
+            If the areas at the radius `used` (mm) differ by more than the integral is good for.
+        """
+        area = sum(loop.signed_area() for loop in loops)
+        scale = max(float(np.abs(self._quick).max()), abs(area))
+        differs = float(self._quick[i]) - area
+        if len(self.solid.brep.faces) <= FEW_FACES or abs(differs) > QUICK * scale:
+            coarse, fine = (area_by_flux(self.solid.brep, used, panels=panels) for panels in PANELS)
+            edge = sum(loop.length() for loop in loops) * max(certificate.residual, certificate.jog)
+            differs = fine - area
+            if abs(differs) > NOISE * abs(fine - coarse) + SHARE * max(abs(area), abs(fine)) + edge:
+                raise LayerError(
+                    f"the {certificate.engine.value} section at radius {used:.9g} mm has {area:.6g} mm2, the surface integral"
+                    f" says {fine:.6g}"
+                )
+        return replace(certificate, checks={**certificate.checks, "surface_integral_differs_mm2": differs})

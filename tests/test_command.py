@@ -193,9 +193,8 @@ def test_a_failed_layer_writes_the_report_alone(tmp_path, monkeypatch):
     real = engines.sections_by_analysis
 
     def broken(solid, radii):
-        found = real(solid, radii)
-        found[1] = LayerError("made to fail")
-        return found
+        near = np.abs(np.asarray(radii) - 151.4) < 0.1
+        return [LayerError("made to fail") if n else f for n, f in zip(near, real(solid, radii), strict=True)]
 
     def no_second_opinion(*args, **kwargs):
         raise LayerError("neither can this one")

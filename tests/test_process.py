@@ -157,3 +157,29 @@ def test_rules_choose_by_layer_and_by_width(tmp_path):
         (piece,) = {bead.piece for bead in kinds[i][BeadKind.SKELETON]}
         assert made.layers[i].region.pieces[piece].bounds()[1] == pytest.approx(60.0)
         assert kinds[i][BeadKind.HATCH]
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"cut_at": "centre"}, "cut_at is 'centre'; it must be one of bottom, middle"),
+        ({"pattern": "lines"}, "pattern is 'lines'"),
+        ({"contours": 1.5}, "contours is 1.5; it must be a whole number"),
+        ({"starts": "2"}, "starts is '2'; it must be a whole number"),
+        ({"hatch_angle_step": math.inf}, "hatch_angle_step is inf"),
+        ({"chord": 1e-30}, "the finest is 1e-06 mm"),
+        ({"inset": -1000.0}, "bead widths outside of the part"),
+        ({"radii": 5}, "give a list of increasing radii"),
+        ({"bead_width": "4"}, "write the number without quotes"),
+    ],
+)
+def test_values_that_cannot_be_meant(given, said):
+    with pytest.raises(InputError, match=said):
+        Process(layer_thickness=1.0, step_over=2.0, **given)
+
+
+def test_choices_are_taken_by_their_names_too():
+    process = Process(layer_thickness=1.0, step_over=2.0, cut_at="middle", pattern="helix", fit="out", order="shortest")
+    assert process.as_dict()["cut_at"] == "middle"
+    assert process.value("inset") == -0.5 * process.width
+    assert process.pattern is InnerPattern.HELIX

@@ -133,3 +133,70 @@ def test_all_lands_of_a_gear_are_above_a_layer_or_none(fixture_step, real_step):
     for radius in (30.0 - 1e-9, 29.999999999, 30.0 - 1.1e-9, 30.0 - 0.9e-9):
         (layer,) = bs.slice_part(part, [radius])
         assert len(layer.region.pieces) in (0, 10)
+
+
+class TestAFallbackThatWasBelieved:
+    """OCCT's common was empty at radii where a fillet's face touches the layer, and its own checks agreed: 0 = 0 = 0."""
+
+    def solid(self):
+        return bd.fillet((bd.Pos(8, 0, 0) * bd.Box(10, 8, 6)).edges(), 1.5)
+
+    @pytest.mark.parametrize("near", [5.14781507, 3.905124838, 11.7686023])
+    def test_no_layer_is_empty(self, near):
+        radii = prepared(self.solid()).critical.radii
+        radius = float(radii[np.abs(radii - near).argmin()])
+        below, at, above = bs.slice_part(self.solid(), [radius - 1e-4, radius, radius + 1e-4], axis=Z)
+        assert abs(radius - near) < 1e-6
+        # a layer that failed would say so; an area is between its neighbours'
+        if isinstance(at, bs.Layer):
+            low, high = sorted((below.area, above.area))
+            assert low - 0.05 <= at.area <= high + 0.05
+
+
+def test_a_layer_that_touches_a_corner_is_no_ring():
+    # two nodes at one corner, an angle of -1e-16 apart, were taken for a full turn at the top and at the bottom
+    box = bd.Pos(-4.8, -3.2, 4.2) * bd.Rot(0, 0, 12.34) * bd.Box(1.2, 1.9, 7.4)
+    low = float(prepared(box).critical.radii[0])
+    for layer in bs.slice_part(box, [low - 1e-9, low, low + 1e-9, low + 1e-3], axis=Z):
+        # width of the corner's cut: a few tenths of a millimetre at most, 7.4 mm high
+        assert layer.area < 0.1 * 2.0 * math.pi * low * 7.4
+        assert not any(piece.winds for piece in layer.region.pieces)
+
+
+class TestABarrelThatTouchesTheAxis:
+    """rho is stationary on the axis, its second derivative singular: the lowest radius was taken for 6, and R = 6 was empty."""
+
+    def solid(self):
+        return bd.Pos(5, 0, 0) * bd.Rot(90, 0, 0) * bd.Cylinder(5, 12)
+
+    def test_it_begins_on_the_axis(self):
+        assert prepared(self.solid()).critical.lowest < 1e-5
+
+    def test_the_layer_through_the_end_planes(self):
+        below, at, above = bs.slice_part(self.solid(), [6.0 - 1e-6, 6.0, 6.0 + 1e-6], axis=Z)
+        assert above.area < below.area
+        # R = 6 is the limit from outside: the boolean steps 1e-5 mm
+        assert at.area == pytest.approx(above.area, rel=2e-4)
+
+    @pytest.mark.slow
+    def test_volume(self):
+        found = integrate_sections(prepared(self.solid()), relative=1e-7)
+        assert found.volume == pytest.approx(math.pi * 25.0 * 12.0, rel=1e-5)
+
+
+def test_a_cam_of_many_facets_is_no_cylinder():
+    # each facet's edges are level within the band; joined in a row they were taken for one radius, and higher layers were empty
+    t = np.arange(2000) * math.pi / 1000.0
+    r = 10.0 + 0.005 * (1.0 - np.cos(t))
+    corners = [(float(x), float(y)) for x, y in zip(r * np.cos(t), r * np.sin(t), strict=True)]
+    cam = bd.extrude(bd.make_face(bd.Polyline(*corners, close=True)), 2.0)
+    assert prepared(cam).critical.highest == pytest.approx(10.01, abs=1e-9)
+    for layer in bs.slice_part(cam, [10.0025, 10.0077, 10.0095], axis=Z):
+        # a facet's middle lies 1.2e-5 mm below its corners
+        share = layer.area / (2.0 * math.pi * layer.radius * 2.0)
+        assert np.mean(r - 1.3e-5 > layer.radius) - 0.002 <= share <= np.mean(r > layer.radius) + 0.002
+
+
+def test_an_empty_result_of_a_host_is_told():
+    with pytest.raises(bs.InputError):
+        bs.as_part(bd.Part())

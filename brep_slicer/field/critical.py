@@ -22,6 +22,7 @@ from .stationary import Stationary, stationary_places
 
 # Radii that differ by less are one, mm.
 MERGE = 1e-9
+NOWHERE = Stationary(single=np.zeros((0, 2)), doubts=np.zeros((0, 2)), level=np.zeros((0, 2)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -44,10 +45,12 @@ class Critical:
 def critical_radii(brep: Brep, stretches: EdgeStretches) -> Critical:
     """Every critical radius of a solid."""
     found = [
-        stationary_places(face) if np.isnan(level) else Stationary(single=np.zeros((0, 2)), doubts=np.zeros((0, 2)))
+        stationary_places(face) if np.isnan(level) else NOWHERE
         for face, level in zip(brep.faces, stretches.face_level, strict=True)
     ]
-    inside = [_inside(face, places.single) for face, places in zip(brep.faces, found, strict=True)]
+    inside = [
+        _inside(face, np.concatenate([places.single, places.level])) for face, places in zip(brep.faces, found, strict=True)
+    ]
     around = [_around(face, places) for face, places in zip(brep.faces, found, strict=True)]
     level = stretches.face_level[np.isfinite(stretches.face_level)]
     rings = stretches.edge_level[np.isfinite(stretches.edge_level)]
@@ -73,5 +76,5 @@ def _inside(face: Face, uv: Array) -> Array:
 
 def _around(face: Face, places: Stationary) -> Array:
     """Where closed level curves may lie; on a face without holes only where it is itself stationary."""
-    every = np.concatenate([places.single, places.doubts])
+    every = np.concatenate([places.single, places.doubts, places.level])
     return every if len(face.loops) > 1 else _inside(face, every)

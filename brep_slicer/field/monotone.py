@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from brep_slicer.geometry import Brep, Edge, ElementarySurface, SurfaceKind
 from brep_slicer.geometry.edge_curves import EdgeCurve, LineEdge
@@ -48,6 +49,7 @@ def edge_stretches(brep: Brep) -> EdgeStretches:
     ranges = np.array([_edge_range(edge, cut) for edge, cut in zip(brep.edges, cuts, strict=True)]).reshape(-1, 2)
     level_edges = ranges[:, 1] - ranges[:, 0] <= COINCIDENCE_BAND
     level_faces, exact = _level_faces(brep, level_edges)
+    level_edges, level_faces = _without_chains(brep, ranges, level_edges, level_faces, exact)
     vertex_rho, edge_level, face_level = _effective(brep, ranges, level_edges, level_faces, exact)
     edges, params, radii, extremes = [], [], [], []
     for number, (edge, cut) in enumerate(zip(brep.edges, cuts, strict=True)):
@@ -202,6 +204,33 @@ def _groups(brep: Brep, level_edges: Array, level_faces: Array) -> Array:
         for corner in corners[1:]:
             parent[root(corner)] = root(corners[0])
     return np.array([root(i) for i in range(len(parent))], dtype=int)
+
+
+def _without_chains(
+    brep: Brep, ranges: Array, level_edges: Array, level_faces: Array, exact: Array
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Level edges and faces without those of groups that are wider than the band.
+
+    A row of edges, each level within the band, climbs as a cam made of facets does: together they are not one radius. Only what
+    is a coaxial cylinder exactly keeps its edges.
+    """
+    roots = _groups(brep, level_edges, level_faces)
+    low, high = np.full(len(roots), np.inf), np.full(len(roots), -np.inf)
+    for number in np.flatnonzero(level_edges).tolist():
+        group = roots[brep.edges[number].vertices[0]]
+        low[group], high[group] = min(low[group], ranges[number, 0]), max(high[group], ranges[number, 1])
+    wide = high - low > 2.0 * COINCIDENCE_BAND
+    if not wide.any():
+        return level_edges, level_faces
+    kept = {use.edge for i in np.flatnonzero(np.isfinite(exact)).tolist() for loop in brep.faces[i].loops for use in loop}
+    edges, faces = level_edges.copy(), level_faces.copy()
+    for number in np.flatnonzero(level_edges).tolist():
+        if wide[roots[brep.edges[number].vertices[0]]] and number not in kept and np.ptp(ranges[number]) > SNAP:
+            edges[number] = False
+    for number in np.flatnonzero(level_faces & ~np.isfinite(exact)).tolist():
+        uses = [use.edge for loop in brep.faces[number].loops for use in loop]
+        faces[number] = all(edges[e] or brep.edges[e].curve is None for e in uses)
+    return edges, faces
 
 
 def _corners(brep: Brep, face: int) -> list[int]:

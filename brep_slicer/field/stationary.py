@@ -37,14 +37,20 @@ SMALL = 4
 SINGULAR = 1e-7
 # As many doubts are kept of a face, spread evenly.
 MOST_DOUBTS = 12
+# Steps of Newton towards a multiple root, each of which takes a third of the way at least.
+CREEPS = 60
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Stationary:
-    """Parameters (n, 2) of a face's box where rho is stationary: `single` ones, and `doubts` (m, 2), see the module's head."""
+    """Parameters (n, 2) of a face's box where rho is stationary: `single` ones, and `doubts` (m, 2), see the module's head.
+
+    `level` (k, 2) are places near the doubts where rho is stationary and its second derivatives are singular.
+    """
 
     single: Array
     doubts: Array
+    level: Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -70,10 +76,12 @@ def stationary_places(face: Face) -> Stationary:
     """All of a face's box, whether inside of its outline or not."""
     none = np.zeros((0, 2))
     surface = face.surface
-    if surface.kind is SurfaceKind.PLANE or not (face.box[1] > face.box[0]).all():
-        return Stationary(single=_foot_on_plane(face), doubts=none)
+    if not (face.box[1] > face.box[0]).all():
+        return Stationary(single=none, doubts=none, level=none)
+    if surface.kind is SurfaceKind.PLANE:
+        return Stationary(single=_foot_on_plane(face), doubts=none, level=none)
     if _same_along(face):
-        return Stationary(single=none, doubts=none)
+        return Stationary(single=none, doubts=none, level=none)
     patches = patches_of(surface, face.box)
     boxes = _whole(patches)
     found, doubts = [none], [none]
@@ -94,7 +102,8 @@ def stationary_places(face: Face) -> Stationary:
             break
         boxes = _halved(boxes)
     single, doubtful = (_within(face, np.concatenate(some)) for some in (found, doubts))
-    return Stationary(single=single, doubts=doubtful[:: max(1, len(doubtful) // MOST_DOUBTS)])
+    some = doubtful[:: max(1, len(doubtful) // MOST_DOUBTS)]
+    return Stationary(single=single, doubts=some, level=_within(face, _crept(face, some)))
 
 
 def _foot_on_plane(face: Face) -> Array:
@@ -275,6 +284,26 @@ def _halving(degree: int) -> tuple[Array, Array]:
         low[i, 0] = 0.5 * low[i - 1, 0]
         low[i, 1:] = 0.5 * (low[i - 1, 1:] + low[i - 1, :-1])
     return low, low[::-1, ::-1]
+
+
+def _crept(face: Face, uv: Array) -> Array:
+    """Where rho is stationary near places (n, 2), by Newton with a pseudo-inverse, which creeps where a root is multiple."""
+    if not len(uv):
+        return uv
+    size = face.box[1] - face.box[0]
+
+    def slope(at: Array) -> Array:
+        p, su, sv = face.surface.derivatives(at)
+        return np.stack([(p[:, :2] * su[:, :2]).sum(axis=1) * size[0], (p[:, :2] * sv[:, :2]).sum(axis=1) * size[1]], axis=1)
+
+    at, h = uv.copy(), 1e-5
+    for _ in range(CREEPS):
+        j = np.stack([(slope(at + h * e * size) - slope(at - h * e * size)) / (2.0 * h) for e in np.eye(2)], axis=2)
+        move = -np.einsum("nij,nj->ni", np.linalg.pinv(j, rcond=1e-8), slope(at))
+        at = np.clip(at + np.clip(move, -0.05, 0.05) * size, face.box[0], face.box[1])
+    _, su, sv = face.surface.derivatives(at)
+    reach = np.linalg.norm(su, axis=1) * size[0] + np.linalg.norm(sv, axis=1) * size[1]
+    return at[np.linalg.norm(slope(at), axis=1) <= 1e-9 * reach**2]
 
 
 def _within(face: Face, uv: Array) -> Array:

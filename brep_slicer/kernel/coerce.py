@@ -48,7 +48,10 @@ def _shape_of(thing: Any) -> Any:
         return thing
     if isinstance(thing, bytes | bytearray | memoryview):
         return shape_from_bytes(bytes(thing))
-    wrapped = getattr(thing, "wrapped", None)
+    try:
+        wrapped = getattr(thing, "wrapped", None)
+    except AssertionError:  # build123d asserts that an empty result has a shape
+        return None
     if isinstance(wrapped, TopoDS_Shape):
         return wrapped
     if hasattr(thing, "toCompound"):  # CadQuery Assembly, locations included

@@ -8,6 +8,7 @@ outline a bead's centre stays), *clearance* (nozzle above what stands in its way
 
 from __future__ import annotations
 
+import enum
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
@@ -15,11 +16,15 @@ from typing import Any
 from brep_slicer.errors import InputError
 
 from .rules import Rule
-from .values import CutAt, Fit, InnerPattern, LastLayer, Order, as_written, check_radii, finite, positive
+from .values import CutAt, Fit, InnerPattern, LastLayer, Order, as_written, check_radii, choice, finite, positive, whole
 
 # The paper's Table 3: laser spot 4.9 mm at a step-over of 3.4 mm, and a tool-head speed of 9 mm/s.
 WIDTH_PER_STEP_OVER = 1.44
 DEPOSITION_SPEED_MM_S = 9.0
+# Sampled finer than this (mm) a toolpath would only grow: machines resolve a thousandth.
+FINEST_CHORD = 1e-6
+# No outermost bead runs farther outside of the outline than so many bead widths: a slip of the sign, or of the unit.
+MOST_OUTSIDE = 5.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -145,6 +150,11 @@ class Process:
     rules: tuple[Rule, ...] = ()
 
     def __post_init__(self) -> None:
+        for name, kind in CHOICES.items():
+            object.__setattr__(self, name, choice(name, getattr(self, name), kind))
+        for name in WHOLE:
+            whole(name, getattr(self, name))
+        finite("hatch_angle_step", self.hatch_angle_step)
         thickness = self.layer_thickness
         if isinstance(thickness, Sequence):
             object.__setattr__(self, "layer_thickness", tuple(positive("layer_thickness", t) for t in thickness))
@@ -157,8 +167,7 @@ class Process:
             value = getattr(self, name)
             if value is not None:
                 object.__setattr__(self, name, positive(name, value))
-        if self.inset is not None:
-            object.__setattr__(self, "inset", finite("inset", self.inset))
+        self._check_lengths()
         for name in NOT_NEGATIVE:
             value = getattr(self, name)
             if value is not None and not (finite(name, value) >= 0.0):
@@ -167,15 +176,7 @@ class Process:
             raise InputError(f"slowest and fastest are {self.slowest:g} and {self.fastest:g}; 1 must lie between them")
         if not 0.0 <= finite("stretch", self.stretch) < 0.5:
             raise InputError(f"stretch is {self.stretch:g}; it must be at least 0 and less than 0.5 (a share of the step-over)")
-        for name in ("contours_every", "starts"):
-            if getattr(self, name) < 1:
-                raise InputError(f"{name} is {getattr(self, name)}; it must be 1 or more")
-        if self.start_angle is not None:
-            finite("start_angle", self.start_angle)
-        if self.contours < 0:
-            raise InputError(f"contours is {self.contours}; it must be zero or more")
-        if self.contours == 0 and not self.hatch:
-            raise InputError("neither contours nor hatch is asked for; nothing would be deposited")
+        self._check_counts()
         if self.radii is not None:
             object.__setattr__(self, "radii", check_radii(self.radii))
         angles = tuple(finite("hatch_angles", a) for a in self.hatch_angles)
@@ -187,6 +188,28 @@ class Process:
                 f"the beads need {self.catchment:.4g} times the powder that is fed (t d speed density / feed may be 1 at most);"
                 " feed more, or deposit slower or thinner"
             )
+
+    def _check_lengths(self) -> None:
+        if self.inset is not None:
+            object.__setattr__(self, "inset", finite("inset", self.inset))
+            if self.inset < -MOST_OUTSIDE * self.width:
+                raise InputError(
+                    f"inset is {self.inset:g} mm; the outermost beads would run {-self.inset / self.width:.3g} bead widths"
+                    f" outside of the part ({MOST_OUTSIDE:g} at most)"
+                )
+        if self.chord is not None and self.chord < FINEST_CHORD:
+            raise InputError(f"chord is {self.chord:g} mm; the finest is {FINEST_CHORD:g} mm")
+
+    def _check_counts(self) -> None:
+        for name in ("contours_every", "starts"):
+            if getattr(self, name) < 1:
+                raise InputError(f"{name} is {getattr(self, name)}; it must be 1 or more")
+        if self.start_angle is not None:
+            finite("start_angle", self.start_angle)
+        if self.contours < 0:
+            raise InputError(f"contours is {self.contours}; it must be zero or more")
+        if self.contours == 0 and not self.hatch:
+            raise InputError("neither contours nor hatch is asked for; nothing would be deposited")
 
     @property
     def catchment(self) -> float | None:
@@ -251,6 +274,14 @@ class Process:
         return replace(self, **changes)
 
 
+CHOICES: dict[str, type[enum.Enum]] = {
+    "last_layer": LastLayer,
+    "cut_at": CutAt,
+    "pattern": InnerPattern,
+    "fit": Fit,
+    "order": Order,
+}
+WHOLE = ("contours", "contours_every", "starts")
 NOT_NEGATIVE = (
     "overlap",
     "shortest_bead",

@@ -6,19 +6,18 @@ In: a file, or names and values as they stand in one. Out: a Process, or an Inpu
 from __future__ import annotations
 
 import difflib
-import enum
 import math
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 from brep_slicer.errors import InputError
 
-from .parameters import Process
+from .parameters import CHOICES, WHOLE, Process
 from .rules import RULED, Rule
-from .values import ANGLES, CutAt, Fit, InnerPattern, LastLayer, Order, finite
+from .values import ANGLES, choice, finite, whole
 
 SWITCHES = tuple(f.name for f in fields(Process) if f.type == "bool")
 # Keys of a rule that say where it holds.
@@ -94,19 +93,8 @@ def _layers(text: Any, source: str) -> tuple[int | None, int | None]:
 
 
 def _from_plain(name: str, value: Any, source: str) -> Any:
-    enums: dict[str, type[enum.Enum]] = {
-        "last_layer": LastLayer,
-        "cut_at": CutAt,
-        "pattern": InnerPattern,
-        "fit": Fit,
-        "order": Order,
-    }
-    if name in enums:
-        try:
-            return enums[name](value)
-        except ValueError:
-            known = ", ".join(e.value for e in enums[name])
-            raise InputError(f"{source}: {name} is {value!r}; it must be one of {known}") from None
+    if name in CHOICES:
+        return _said(source, choice, name, value, CHOICES[name])
     if name == "hatch_angles":
         listed = value if isinstance(value, list) else [value]
         return tuple(math.radians(finite(name, a)) for a in listed)
@@ -118,8 +106,13 @@ def _from_plain(name: str, value: Any, source: str) -> Any:
         return value
     if name == "rules":
         return tuple(_rule(table, source) for table in (value if isinstance(value, list) else [value]))
-    if name in ("contours", "contours_every", "starts"):
-        if not isinstance(value, int) or isinstance(value, bool):
-            raise InputError(f"{source}: {name} is {value!r}; it must be a whole number")
-        return value
+    if name in WHOLE:
+        return _said(source, whole, name, value)
     return tuple(value) if isinstance(value, list) else value
+
+
+def _said(source: str, check: Callable[..., Any], *args: Any) -> Any:
+    try:
+        return check(*args)
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from None

@@ -8,7 +8,7 @@ from __future__ import annotations
 import enum
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from brep_slicer.errors import InputError
@@ -76,6 +76,8 @@ def as_written(name: str, value: Any) -> tuple[str, Any]:
 
 def check_radii(radii: Sequence[float]) -> tuple[float, ...]:
     """Increasing positive radii, or an InputError that says which one is not."""
+    if isinstance(radii, str) or not isinstance(radii, Iterable):
+        raise InputError(f"radii is {radii!r}; give a list of increasing radii, mm")
     values = tuple(positive("radius", r) for r in radii)
     if not values:
         raise InputError("the list of radii is empty; give one radius at least")
@@ -102,3 +104,17 @@ def positive(name: str, value: Any) -> float:
     if not number > 0.0:
         raise InputError(f"{name} is {number:g}; it must be greater than zero")
     return number
+
+
+def choice(name: str, value: Any, kind: type[enum.Enum]) -> Any:
+    """A member of an enum from itself or from its value."""
+    try:
+        return kind(value)
+    except ValueError:
+        raise InputError(f"{name} is {value!r}; it must be one of {', '.join(e.value for e in kind)}") from None
+
+
+def whole(name: str, value: Any) -> int:
+    if not isinstance(value, int) or isinstance(value, bool):
+        raise InputError(f"{name} is {value!r}; it must be a whole number")
+    return value

@@ -99,8 +99,12 @@ def _grown_layer(
             parts = [(layer.region, math.sqrt(max(reach**2 - (layer.radius - radius) ** 2, 0.0))) for layer in whole]
             region = grown_region(radius, parts, chord=chord, standing=ground.region if isinstance(ground, Layer) else None)
             nearest = min(whole, key=lambda layer: abs(layer.radius - radius))
-            checks = {**nearest.certificate.checks, "grown_from_sections": len(whole)}
-            worst = max(layer.certificate.residual for layer in whole)
+            checks: dict[str, bool | float | str] = {
+                "grown_from_sections": len(whole),
+                "outline": "polylines outside of the exact one",
+            }
+            # grown to the chord, and to first order in a / rho
+            worst = max(layer.certificate.residual for layer in whole) + chord + reach**2 / radius
             certificate = replace(nearest.certificate, residual=worst, checks=checks)
             return replace(
                 nearest, index=index, radius=radius, cut_radius=radius, region=region, area=region.area, certificate=certificate

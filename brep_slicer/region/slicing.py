@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from brep_slicer.errors import LayerError
+from brep_slicer.errors import InputError, LayerError
 from brep_slicer.part import as_part
 from brep_slicer.process import check_radii
 from brep_slicer.section import Certificate, CutSolid, Engine, cut_solids
@@ -62,6 +62,9 @@ def slice_part(
     part = as_part(part)
     checked = check_radii(radii)
     axis = find_axis(part) if axis is None else axis
+    unknown = set(substrate_solids) - {s.index for s in part.solids}
+    if unknown:
+        raise InputError(f"{part.source}: there is no solid {min(unknown)} to be the substrate")
     solids = cut_solids(part, axis)
     return slice_solids(solids, checked, engine=Engine(engine), substrate_solids=substrate_solids)
 

@@ -24,7 +24,7 @@ from .analytic import sections_by_analysis
 from .boolean import clear_radius, section_by_boolean
 from .certificate import Certificate, Engine
 from .cut_solid import CutSolid
-from .oracle import area_by_flux, areas_by_flux
+from .oracle import area_and_turnover, areas_by_flux
 
 Found = tuple[list[Loop], Certificate] | LayerError
 # How far outside of a radius the analytic engine is asked again, mm: beyond the noise of tangencies, within the boolean's step.
@@ -34,8 +34,10 @@ QUICK = 1e-3
 # Solids of so few faces are judged by the exact one at once.
 FEW_FACES = 30
 # Panels of the exact one; its two results tell what it is good for. An area may differ by so many times that, and by a share of
-# itself: kinks that the panels do not know of.
+# what the integral adds and takes away: kinks that the panels do not know of.
 PANELS, NOISE, SHARE = (6, 9), 4.0, 5e-3
+# It looks for rho = R on every face in a hundred steps: on radii smaller than this share of the solid's reach it has no say.
+NEAR_AXIS = 0.01
 
 
 class SolidSections:
@@ -85,14 +87,16 @@ class SolidSections:
         LayerError
             If the areas at the radius `used` (mm) differ by more than the integral is good for.
         """
+        if used < NEAR_AXIS * self.solid.critical.highest:
+            return certificate
         area = sum(loop.signed_area() for loop in loops)
         scale = max(float(np.abs(self._quick).max()), abs(area))
         differs = float(self._quick[i]) - area
         if len(self.solid.brep.faces) <= FEW_FACES or abs(differs) > QUICK * scale:
-            coarse, fine = (area_by_flux(self.solid.brep, used, panels=panels) for panels in PANELS)
+            (coarse, _), (fine, turnover) = (area_and_turnover(self.solid.brep, used, panels=panels) for panels in PANELS)
             edge = sum(loop.length() for loop in loops) * max(certificate.residual, certificate.jog)
             differs = fine - area
-            if abs(differs) > NOISE * abs(fine - coarse) + SHARE * max(abs(area), abs(fine)) + edge:
+            if abs(differs) > NOISE * abs(fine - coarse) + SHARE * turnover + edge:
                 raise LayerError(
                     f"the {certificate.engine.value} section at radius {used:.9g} mm has {area:.6g} mm2, the surface integral"
                     f" says {fine:.6g}"

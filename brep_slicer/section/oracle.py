@@ -20,13 +20,20 @@ from .trimmed import PANELS, surface_cells, surface_nodes
 
 def area_by_flux(brep: Brep, radius: float, *, panels: int = PANELS) -> float:
     """Area (mm**2) of the section at `radius` (mm) by the surface integral; more `panels` for more digits."""
-    total = 0.0
+    return area_and_turnover(brep, radius, panels=panels)[0]
+
+
+def area_and_turnover(brep: Brep, radius: float, *, panels: int = PANELS) -> tuple[float, float]:
+    """The area, and what it is the difference of: the integral of the flux's size, which says what its error is a share of."""
+    total = size = 0.0
     for face in brep.faces:
         p, n = surface_nodes(face, (radius,), panels=panels)
         square = p[:, 0] ** 2 + p[:, 1] ** 2
         outside = square > radius**2
-        total += float(((n[:, 0] * p[:, 0] + n[:, 1] * p[:, 1]) / np.where(square > 0.0, square, 1.0))[outside].sum())
-    return radius * total
+        flux = ((n[:, 0] * p[:, 0] + n[:, 1] * p[:, 1]) / np.where(square > 0.0, square, 1.0))[outside]
+        total += float(flux.sum())
+        size += float(np.abs(flux).sum())
+    return radius * total, radius * size
 
 
 def areas_by_flux(brep: Brep, radii: Array, *, level: Array | None = None, lines: int = 64, cells: int = 64) -> Array:

@@ -25,6 +25,8 @@ PARALLEL = 1e-12
 STEEP = 1e-3
 # Lines of one layer nearer to each other than this (mm, or rad times mm) are one: above the noise of real edges.
 SAME_LINE = 1e-5
+# Nodes nearer to each other than this (rad) round the axis are at one place.
+SAME_ANGLE = 1e-9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -149,6 +151,8 @@ def _round(face: Face, found: FaceNodes, radii: Array, component: Array, way: Ar
     arcs = FaceArcs()
     _fail(arcs, pairs.bad, face)
     turn = np.mod(way[pairs.start] * (found.theta[pairs.end] - found.theta[pairs.start]), TURN)
+    # two nodes at one place (a corner that the layer just touches) are no full turn apart, whatever rounding says
+    turn = np.where(turn > TURN - SAME_ANGLE, 0.0, turn)
     turn = np.where(found.node[pairs.start] == found.node[pairs.end], TURN, turn)
     theta0 = found.theta[pairs.start]
     theta1 = theta0 + way[pairs.start] * turn

@@ -46,12 +46,10 @@ def main() -> None:
         ("contour and hatch", tooth, PatternSequence(patterns=(Contours(count=1), slanted), overlap=overlap)),
         ("contours", tooth, Contours(count=None)),
         ("spiral", tooth, PatternSequence(patterns=(Spiral(), Skeleton()))),
-        ("skeleton", tooth, Skeleton()),
-        (
-            "contours, outwards, and skeleton",
-            tooth,
-            PatternSequence(patterns=(Contours(count=None, outwards=True), Skeleton())),
-        ),
+        ("contours and skeleton", tooth, PatternSequence(patterns=(Contours(count=None), Skeleton()))),
+        ("hatch", blade, slanted),
+        ("skeleton", blade, Skeleton()),
+        ("contours", blade, Contours(count=None)),
         ("contours and skeleton", blade, PatternSequence(patterns=(Contours(count=None), Skeleton()))),
         ("from flank to flank", blade, FlankFollowing()),
     ]

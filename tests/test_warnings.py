@@ -37,8 +37,9 @@ def test_beads_that_hold_too_much_or_too_little_metal(plan):
     (said,) = warnings_of(plan.layers, twice, plan.process)
     assert said.startswith("layers 1 to 2: the beads hold 1.")
     few = [replace(fill, beads=fill.beads[:2]) if i == 3 else fill for i, fill in enumerate(plan.fills)]
-    (said,) = warnings_of(plan.layers, few, plan.process)
-    assert said.startswith("layer 3: the beads hold 0.")
+    piece, layer = warnings_of(plan.layers, few, plan.process)
+    assert piece.startswith("layer 3, piece 0: its beads hold less than a tenth of the metal")
+    assert layer.startswith("layer 3: the beads hold 0.")
 
 
 def test_slower_beads_hold_more_metal(plan):

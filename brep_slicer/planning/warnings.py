@@ -18,6 +18,8 @@ from brep_slicer.region import FailedLayer, Layer
 # Beads that hold more metal than this share of a layer's, or less, are warned of. Half a bead of room on all sides leaves a
 # third of a small piece; a bead wider than its piece is told of by itself.
 MOST_METAL, LEAST_METAL = 1.5, 1.0 / 3.0
+# Pieces that get less than this share of their metal are named.
+NEXT_TO_NONE = 0.1
 _PIECE = re.compile(r"^piece (\d+): ")
 
 
@@ -32,7 +34,7 @@ def warnings_of(layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill
         notes += [(layer.index, note) for note in fill.notes]
     if process.width < process.step_over:
         out.append(f"beads {process.width:.4g} mm wide and {process.step_over:.4g} mm apart leave bare metal between them")
-    return [*out, *_grouped(notes), *_metal(layers, fills, process)]
+    return [*out, *_grouped([*notes, *_almost_bare(layers, fills, process)]), *_metal(layers, fills, process)]
 
 
 def _grouped(notes: Iterable[tuple[int, str]]) -> list[str]:
@@ -60,6 +62,22 @@ def _numbers(word: str, numbers: set[int]) -> str:
             runs.append([n, n])
     text = ", ".join(f"{a}" if a == b else f"{a} to {b}" for a, b in runs)
     return f"{word}{'s' if len(numbers) > 1 else ''} {text}"
+
+
+def _almost_bare(layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill], process: Process) -> list[tuple[int, str]]:
+    """Notes on pieces whose beads, if they have any, hold next to none of the metal that they need."""
+    out = []
+    for layer, fill in zip(layers, fills, strict=True):
+        if not isinstance(layer, Layer):
+            continue
+        laid: dict[int, float] = {}
+        for bead in fill.beads:
+            laid[bead.piece] = laid.get(bead.piece, 0.0) + _equal_length(bead) * process.step_over
+        for number, metal in laid.items():
+            if metal < NEXT_TO_NONE * layer.region.pieces[number].area():
+                share = f"piece {number}: its beads hold less than a tenth of the metal that it needs"
+                out.append((layer.index, f"{share}; a smaller step-over or inset, contours or a skeleton fill it"))
+    return out
 
 
 def _metal(layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill], process: Process) -> list[str]:

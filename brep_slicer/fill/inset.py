@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
 # Segments a quarter circle at round corners: sagitta 3e-4 of the offset.
 QUARTER_SEGMENTS = 32
-# Mitres end at this multiple of the offset; sharper corners are cut off, which errs inwards.
-MITRE_LIMIT = 10.0
 # Corners are as low as each other within this, mm: more than the rounding of an offset.
 SAME_HEIGHT = 1e-6
 
@@ -101,8 +99,8 @@ def _moved(polygon, distance: float):
     shape = polygon if polygon.is_valid else polygon.buffer(0.0)
     if distance == 0.0:
         return shape
-    # mitred: an inward offset keeps convex corners sharp, and rounds the others by itself
-    return shape.buffer(-distance, quad_segs=QUARTER_SEGMENTS, join_style="round", mitre_limit=MITRE_LIMIT)
+    # inwards, convex corners stay sharp whatever the join; round where the outline turns in, and at all corners outwards
+    return shape.buffer(-distance, quad_segs=QUARTER_SEGMENTS, join_style="round")
 
 
 def parts_of(shape, kind: str) -> list:

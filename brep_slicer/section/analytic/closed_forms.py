@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from brep_slicer.curves import Curve, LineCurve, SinusoidCurve
+from brep_slicer.field import SNAP
 from brep_slicer.geometry import Brep, ElementarySurface, Extrusion, Face, Revolution, SurfaceKind
 from brep_slicer.maps import TURN, Array
 
@@ -237,15 +238,13 @@ def loops_on_planes(brep: Brep, face: Face, radii: Array, busy: set[int], level:
         or abs(normal[2]) <= PARALLEL
     ):
         return arcs
-    loops = [(*_range_and_winding(brep, loop, level, vertex_rho),) for loop in face.loops]
-    if not any(winding for *_, winding in loops):
+    loops = [_lowest_and_winding(brep, loop, level, vertex_rho) for loop in face.loops]
+    if not any(winding for _, winding in loops):
         return arcs
-    from brep_slicer.field import SNAP
-
     for layer, radius in enumerate(radii.tolist()):
         if layer in busy:
             continue
-        around = sum(winding for low, _, winding in loops if low > radius + SNAP)
+        around = sum(winding for low, winding in loops if low > radius + SNAP)
         if around == 0:
             continue
         way = -np.sign(normal[2])
@@ -258,8 +257,8 @@ def loops_on_planes(brep: Brep, face: Face, radii: Array, busy: set[int], level:
     return arcs
 
 
-def _range_and_winding(brep: Brep, loop, level: Array, vertex_rho: Array) -> tuple[float, float, int]:
-    """Lowest and highest effective radius of a loop's vertices and level edges, and how often it goes round the axis."""
+def _lowest_and_winding(brep: Brep, loop, level: Array, vertex_rho: Array) -> tuple[float, int]:
+    """Lowest effective radius of a loop's vertices and level edges, and how often it goes round the axis."""
     radii, theta = [], []
     for use in loop:
         edge = brep.edges[use.edge]
@@ -273,4 +272,4 @@ def _range_and_winding(brep: Brep, loop, level: Array, vertex_rho: Array) -> tup
         theta.append(np.arctan2(p[:, 1], p[:, 0]))
     chain = np.concatenate(theta) if theta else np.zeros(1)
     total = np.unwrap(np.append(chain, chain[0]))
-    return min(radii), max(radii), round(float(total[-1] - total[0]) / TURN)
+    return min(radii), round(float(total[-1] - total[0]) / TURN)

@@ -229,3 +229,13 @@ def test_a_pattern_for_each_layer_and_piece(fixture_step):
     plan = bs.plan(part, process, pattern=choose, layers=(1, 3))
     assert len(asked) == 6
     assert {b.kind.value for fill in plan.fills for b in fill.beads} == {"zigzag", "contour"}
+
+
+def test_rings_are_stretched_to_fill_a_band():
+    height = W + 7.3 * D
+    fill = fill_region(plain_band(height), Hatch(angle=0.0, stretch=0.2), **ARGS)
+    heights = np.sort([b.points[0, 1] for b in fill.beads])
+    # seven spacings of 7.3 / 7 d, from half a bead above the lower edge to half a bead below the upper one
+    assert np.diff(heights) == pytest.approx(np.full(7, 7.3 / 7.0 * D), rel=1e-3)
+    assert heights[0] == pytest.approx(0.5 * W, abs=0.05)
+    assert heights[-1] == pytest.approx(height - 0.5 * W, abs=0.05)

@@ -28,8 +28,9 @@ class Hatch(Pattern):
 
     The lines are centred on the piece, so that they turn with it; on a full turn they close by the rule of `full_turn`.
     With `stretch` (a share of the step-over), spacings may be that much wider or narrower so that the outermost lines lie at
-    the inset on both sides; where that is not enough, the step-over stays. On a full turn, a line begins at the lower edge at
-    the angle `start` round the shaft (rad, theta of the axis frame), if that is given.
+    the inset on both sides; where that is not enough, the step-over stays, and so it does on a full turn but for rings, since
+    the lines have to close. On a full turn, a line begins at the lower edge at the angle `start` round the shaft (rad, theta
+    of the axis frame), if that is given.
     """
 
     angle: float = 0.0
@@ -71,6 +72,8 @@ class Hatch(Pattern):
         """A piece that winds: its lines close on themselves and go on across the seam."""
         angle, spacing, k = closing_lines(inset.period, self.angle, cell.step_over)
         starts, ends = edges_of(inset.polygons)
+        if k == 0:
+            spacing = _stretched(starts, angle, spacing, self.stretch)
         phase = _phase(cell, starts, angle, spacing, k)
         if self.start is not None and k:
             phase = float(_lower_edge(cell, inset, cell.piece.radius * self.start) @ directions(angle)[1])

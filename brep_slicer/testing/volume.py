@@ -14,8 +14,8 @@ import numpy as np
 from brep_slicer.errors import LayerError
 from brep_slicer.maps import Array
 from brep_slicer.section import CutSolid, Engine
+from brep_slicer.section.analytic import sections_by_analysis
 from brep_slicer.section.boolean import section_by_boolean
-from brep_slicer.section.engines import SolidSections
 from brep_slicer.section.oracle import volume_between
 
 # Gauss-Legendre nodes an interval, doubled until two results agree.
@@ -121,15 +121,14 @@ def _panel(solid: CutSolid, a: Array, b: Array, nodes: int, engine: Engine) -> t
 
 def _areas(solid: CutSolid, radii: Array, engine: Engine) -> tuple[Array, int]:
     """(area, first moment along z) at increasing radii, (n, 2)."""
+    # the engines as they are: the surface integral, which judges fallbacks elsewhere, has no part in what it is held against
     out, fallen = np.zeros((len(radii), 2)), 0
-    sections = SolidSections(solid, radii.tolist(), engine)
-    for i in range(len(radii)):
-        found = sections.section(i)
-        if isinstance(found, LayerError):
-            # no plan would use it, but one doubtful section among hundreds tells less by failing than by the sum it spoils
-            loops, certificate = section_by_boolean(solid.wrapped, float(radii[i]), critical=solid.critical.radii)
+    found = sections_by_analysis(solid, radii) if engine is Engine.ANALYTIC else [LayerError("")] * len(radii)
+    for i, section in enumerate(found):
+        if isinstance(section, LayerError):
+            loops, _ = section_by_boolean(solid.wrapped, float(radii[i]), critical=solid.critical.radii)
+            fallen += 1
         else:
-            loops, certificate = found
-        fallen += bool(certificate.fallback) or certificate.engine is Engine.BOOLEAN
+            loops = section[0]
         out[i] = sum(loop.signed_area() for loop in loops), -0.5 * sum(loop.moment(2) for loop in loops)
     return out, fallen

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from brep_slicer.curves import LineCurve, Loop, SinusoidCurve
+from brep_slicer.curves import LineCurve, Loop
 from brep_slicer.errors import LayerError
-from brep_slicer.region import Region, difference_of_regions, region_from_loops, union_of_regions
+from brep_slicer.region import region_from_loops
 
 R = 20.0
 TURN = 2.0 * np.pi * R
@@ -70,46 +70,3 @@ def test_jogs_do_not_move_the_area_with_the_origin():
     for lift in (0.0, 1e6):
         curves = [LineCurve(p0=np.add(corners[i], (0, lift)), p1=np.add(corners[(i + 1) % 4], (gap, lift))) for i in range(4)]
         assert Loop(curves=tuple(curves), radius=R).signed_area() == pytest.approx(50.0, abs=10 * gap)
-
-
-class TestOverlay:
-    def test_union_and_difference_of_crossing_rectangles(self):
-        a, b = (region_from_loops(R, [r]) for r in (rectangle(0, 0, 20, 10), rectangle(15, -5, 25, 5)))
-        assert union_of_regions(R, [a, b]).area == pytest.approx(200.0 + 100.0 - 25.0, rel=1e-12)
-        assert difference_of_regions(a, b).area == pytest.approx(175.0, rel=1e-12)
-        assert difference_of_regions(b, a).area == pytest.approx(75.0, rel=1e-12)
-
-    def test_crossing_over_the_seam(self):
-        a = region_from_loops(R, [rectangle(-10, 0, 10, 10)])
-        b = region_from_loops(R, [rectangle(TURN + 5, -5, TURN + 15, 5)])
-        assert union_of_regions(R, [a, b]).area == pytest.approx(200.0 + 100.0 - 25.0, rel=1e-12)
-
-    def test_a_blade_on_a_band_and_kinds_are_kept(self):
-        wave = SinusoidCurve(coefficients=np.array([40.0, 3.0, 0.0]), radius=R, range=(TURN, 0.0))
-        lower = Loop(curves=(LineCurve(p0=(0.0, 0.0), p1=(TURN, 0.0)),), radius=R, winding=1)
-        band = region_from_loops(R, [lower, Loop(curves=(wave,), radius=R, winding=-1)])
-        blade = region_from_loops(R, [rectangle(-5, 30, 5, 60)])
-        both = union_of_regions(R, [band, blade])
-        outside = difference_of_regions(blade, band)
-        assert both.area == pytest.approx(band.area + outside.area, rel=1e-12)
-        # the strip of the blade that lies in the band: integral of 40 + 3 cos(k / R) - 30 over |k| < 5
-        inside = 2.0 * (10.0 * 5.0 + 3.0 * R * np.sin(5.0 / R))
-        assert outside.area == pytest.approx(300.0 - inside, rel=1e-11)
-        assert {c.kind.value for loop in outside.loops for c in loop.curves} == {"line", "sinusoid"}
-
-    def test_a_piece_inside_of_another(self):
-        a, b = (region_from_loops(R, [r]) for r in (rectangle(0, 0, 20, 10), rectangle(5, 2, 8, 4)))
-        assert union_of_regions(R, [a, b]).area == pytest.approx(200.0)
-        assert difference_of_regions(b, a).is_empty
-        assert difference_of_regions(a, b).area == pytest.approx(194.0)
-
-    def test_pieces_that_only_touch(self):
-        a, b = (region_from_loops(R, [r]) for r in (rectangle(0, 0, 20, 10), rectangle(20, 0, 30, 10)))
-        assert union_of_regions(R, [a, b]).area == pytest.approx(300.0)
-        assert difference_of_regions(a, b).area == pytest.approx(200.0)
-
-    def test_nothing(self):
-        a = region_from_loops(R, [rectangle(0, 0, 20, 10)])
-        assert union_of_regions(R, []).is_empty
-        assert union_of_regions(R, [Region(radius=R), a]).area == pytest.approx(200.0)
-        assert difference_of_regions(Region(radius=R), a).is_empty

@@ -2,13 +2,19 @@
 
 In: regions on one cylinder. Out: their union or difference, with the curves' kinds kept.
 
-Words: *crossing*, where a curve of one region meets one of the other; *shared*, run along both.
+1. Where does each outline come near to the other (`contacts`)? There its curves are cut.
+2. Ends of cuts that lie within a touch of each other are one node.
+3. A piece of outline *apart* from the other is kept or not by whether it lies inside of it; one that runs *along* the other is
+   kept once where the metal of both is on one side, and dropped where it is between the two: what touches is joined.
+4. What is kept is chained from node to node; where one outline goes over into the other, both are cut again where they cross.
+5. On either side of every cut curve the result must hold metal exactly where it should, or the next coarser touch is tried.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,18 +23,25 @@ from brep_slicer.errors import LayerError
 from brep_slicer.maps import Array
 from brep_slicer.section.chain import Arc, loops_from_arcs
 
+from .contacts import contacts
+from .outline import Outline
 from .region import Region, region_from_loops
 
-# Polylines that find crossings and tell inside from outside, mm; crossings are then polished on the curves themselves.
-SEARCH_CHORD = 1e-3
-# Two outlines that run this near to each other at the middle of a curve run along each other, mm.
-SHARED = 5e-6
-# Overlaps smaller than this share of the smaller region are two outlines that touch.
-TOUCHING = 1e-9
+# Two outlines that come as near as this touch, mm: ten times what edges of good files gape. Coarser ones where that fails.
+TOUCHES = (1e-6, 1e-5, 1e-4)
+# Ends this many touches from each other are one node; a piece of outline no longer than that between them is none.
+NODE = 3.0
+# A stretch within a touch of the other outline whose direction takes it this many touches away is where the two cross or part,
+# if it is no longer than this, mm: lines that cross at 1e-4 rad.
+LEAVES, CROSSING = 0.3, 1e-2
+# Polylines near the other outline are drawn to this share of a touch; the others as coarse as this, mm.
+FINE, COARSE = 0.1, 1e-3
+# Where the result is asked on which side its metal lies, in touches from the outline.
+SIDE = 4.0
 
 
 def union_of_regions(radius: float, regions: Sequence[Region]) -> Region:
-    """The union of regions on the cylinder of `radius`.
+    """The union of regions on the cylinder of `radius`; those that touch are one piece.
 
     Raises
     ------
@@ -44,146 +57,293 @@ def union_of_regions(radius: float, regions: Sequence[Region]) -> Region:
 
 
 def difference_of_regions(region: Region, other: Region) -> Region:
-    """What of `region` lies outside of `other`."""
+    """What of `region` lies outside of `other`.
+
+    Raises
+    ------
+    LayerError
+        If the outlines cross in a way that does not close.
+    """
     if region.is_empty or other.is_empty:
         return region
     return _overlay(region, other, union=False)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Cut:
+    """A piece of outline: a curve's parameters, from node to node."""
+
+    parent: Curve
+    number: int
+    first: bool  # of the first region's outline
+    span: tuple[float, float]
+    start: int
+    end: int
+    along: bool  # runs along the other outline
+
+    def points(self, share: float) -> Array:
+        s0, s1 = self.span
+        return self.parent.points(np.array([s0 + share * (s1 - s0)]))[0]
+
+
 def _overlay(a: Region, b: Region, *, union: bool) -> Region:
-    apart = Region(radius=a.radius, pieces=a.pieces + b.pieces) if union else a
-    boxes = [np.array([piece.bounds() for piece in region.pieces]) for region in (a, b)]
-    if not any(_lifts(p, q, a.period) for p in boxes[0] for q in boxes[1]):
-        return apart
-    shapes = (_cover(a), _cover(b))
-    if not _overlap(*shapes, a, b):
-        return apart
-    arcs_a, arcs_b = _split(a, b)
-    kept = [arc for arc in arcs_a if _keeps(arc, shapes[1], first=True, union=union)]
-    for arc in arcs_b:
-        if _keeps(arc, shapes[0], first=False, union=union):
-            kept.append(arc if union else Arc(curve=arc.curve.reversed(), start=arc.end, end=arc.start))
-    result = region_from_loops(a.radius, loops_from_arcs(a.radius, kept))
-    bound = a.area + b.area if union else a.area
-    if result.area > bound + 1e-6 * bound or (union and result.area < max(a.area, b.area) * (1.0 - 1e-6)):
-        raise LayerError(f"the sections of two solids at radius {a.radius:g} mm overlap in a way that cannot be resolved")
-    return result
+    near = _near(a, b)
+    if not any(flags.any() for flags in near):
+        apart = Region(radius=a.radius, pieces=a.pieces + b.pieces) if union else a
+        if not _nested(a, b):
+            return apart
+    reason = ""
+    for touch in TOUCHES:
+        try:
+            return _Overlay(a, b, near, touch).result(union=union)
+        except LayerError as error:
+            reason = reason or str(error)
+    raise LayerError(f"the sections of two solids at radius {a.radius:g} mm overlap in a way that cannot be resolved: {reason}")
 
 
-class _Cover:
-    """A region as polygons over three turns, to ask which points lie inside (kappa is reduced to the middle turn)."""
-
-    def __init__(self, region: Region) -> None:
-        import shapely
-
-        self.period = region.period
-        polygons = region.to_shapely(chord=SEARCH_CHORD, seam=-0.5 * region.period).geoms
-        copies = [shapely.affinity.translate(p, k * self.period) for p in polygons for k in (-2, -1, 0, 1, 2)]
-        window = shapely.box(-0.75 * self.period, -1e9, 0.75 * self.period, 1e9)
-        self.shape = shapely.union_all([p.buffer(0.0) for p in copies]).intersection(window)
-        lines = [shapely.LineString(loop.sample(SHARED / 2.0)) for loop in region.loops]
-        self.outline = shapely.MultiLineString(
-            [shapely.affinity.translate(line, k * self.period) for line in lines for k in (-2, -1, 0, 1, 2)]
-        )
-        shapely.prepare(self.shape)
-
-    def reduced(self, point: Array) -> Array:
-        turns = np.floor(point[0] / self.period + 0.5)
-        return np.array([point[0] - turns * self.period, point[1]])
+def _near(a: Region, b: Region) -> tuple[Array, Array]:
+    """Which curves of either region have a box that meets one of the other's."""
+    p, q = (np.array([c.bounds() for loop in r.loops for c in loop.curves]) for r in (a, b))
+    margin = TOUCHES[-1]
+    high = (p[:, None, 3] + margin >= q[None, :, 1]) & (q[None, :, 3] + margin >= p[:, None, 1])
+    first = np.ceil((p[:, None, 0] - q[None, :, 2] - margin) / a.period)
+    last = np.floor((p[:, None, 2] - q[None, :, 0] + margin) / a.period)
+    meets = high & (last >= first)
+    return meets.any(axis=1), meets.any(axis=0)
 
 
-def _cover(region: Region) -> _Cover:
-    import shapely.affinity
-
-    assert shapely.affinity is not None
-    return _Cover(region)
+def _drawn(region: Region, near: Array, fine: float) -> Outline:
+    """An outline, fine where it is near to the other."""
+    return Outline(region, lambda i: fine if near[i] else COARSE)
 
 
-def _overlap(a: _Cover, b: _Cover, first: Region, second: Region) -> bool:
-    common = a.shape.intersection(b.shape).area
-    return common > TOUCHING * min(first.area, second.area) + SEARCH_CHORD * min(first.length, second.length)
+def _nested(a: Region, b: Region) -> bool:
+    """Whether outlines that do not meet lie inside of one another."""
+    outlines = [Outline(r, lambda _: COARSE) for r in (a, b)]
+    starts = [np.array([loop.curves[0].start for loop in r.loops]) for r in (a, b)]
+    return bool(outlines[0].contains(starts[1]).any() or outlines[1].contains(starts[0]).any())
 
 
-def _keeps(arc: Arc, other: _Cover, *, first: bool, union: bool) -> bool:
-    """Whether a piece of outline bounds the result."""
-    import shapely
+class _Overlay:
+    """Two regions whose outlines are cut where they come within `touch` mm of each other."""
 
-    middle = other.reduced(arc.curve.points(np.array([0.5]))[0])
-    point = shapely.Point(middle)
-    if other.outline.distance(point) <= SHARED:
-        if not first:
+    def __init__(self, a: Region, b: Region, near: tuple[Array, Array], touch: float) -> None:
+        self.radius, self.period, self.touch = a.radius, a.period, touch
+        self.near = near
+        self.outlines = tuple(_drawn(*pair, FINE * touch) for pair in zip((a, b), near, strict=True))
+        nodes = itertools.count()
+        self.cuts = self._identified([cut for first in (True, False) for cut in self._cut(first, nodes)])
+
+    def result(self, *, union: bool) -> Region:
+        """The union, or the first region without the second."""
+        kept = self._kept(union)
+        arcs = []
+        for cut in _rejoined(self._met(kept)):
+            curve = cut.parent.trimmed(*cut.span)
+            reverse = not (union or cut.first)
+            arcs.append(
+                Arc(curve=curve.reversed(), start=cut.end, end=cut.start)
+                if reverse
+                else Arc(curve=curve, start=cut.start, end=cut.end)
+            )
+        region = region_from_loops(self.radius, loops_from_arcs(self.radius, arcs))
+        self._check(region, union)
+        return region
+
+    def _cut(self, first: bool, nodes: Iterator[int]) -> list[_Cut]:
+        """One region's curves in pieces; a loop's curves share the nodes between them."""
+        own, other = self.outlines if first else self.outlines[::-1]
+        flags = self.near[0 if first else 1]
+        marks = self._marks(own, other)
+        out: list[_Cut] = []
+        number = 0
+        for loop in own.loops:
+            joints = [next(nodes) for _ in loop.curves]
+            for i, curve in enumerate(loop.curves):
+                runs = contacts(curve, other, marks[number], self.touch) if flags[number] else []
+                places = _places(runs, marks[number])
+                names = [joints[i], *(next(nodes) for _ in places[1:-1]), joints[(i + 1) % len(joints)]]
+                for span, (start, end) in zip(itertools.pairwise(places), itertools.pairwise(names), strict=True):
+                    along = any(r0 <= span[0] and span[1] <= r1 for r0, r1 in runs)
+                    out.append(_Cut(parent=curve, number=number, first=first, span=span, start=start, end=end, along=along))
+                number += 1
+        return out
+
+    def _marks(self, own: Outline, other: Outline) -> list[Array]:
+        """For each of one outline's curves, the parameters nearest to the ends of the other's that lie on it."""
+        at = own.nearest(other.ends)
+        touching = at.distances <= self.touch
+        return [at.parameters[touching & (at.curves == i)] for i in range(len(own.curves))]
+
+    def _identified(self, cuts: list[_Cut]) -> list[_Cut]:
+        """Nodes that lie together made one, of one outline too; pieces that are only crossings are gone."""
+        from scipy.spatial import cKDTree
+
+        near = [cut for cut in cuts if cut.along]
+        gone = {id(cut): (cut.start, cut.end) for cut in near if self._is_crossing(cut)}
+        places = {node: cut.points(share) for cut in cuts for node, share in ((cut.start, 0.0), (cut.end, 1.0))}
+        names = list(places)
+        at = np.array(list(places.values()))
+        low, high = at[:, 1].min(), at[:, 1].max()
+        at[:, 0] = np.mod(at[:, 0], self.period) % self.period
+        tree = cKDTree(at - [0.0, low], boxsize=[self.period, 2.0 * (high - low) + 1.0])
+        pairs = [(names[i], names[j]) for i, j in tree.query_pairs(NODE * self.touch)]
+        group = _groups(names, pairs + list(gone.values()))
+        left = [replace(c, start=group.get(c.start, c.start), end=group.get(c.end, c.end)) for c in cuts if id(c) not in gone]
+        return [c for c in left if c.start != c.end or self._length(c) > 3.0 * NODE * self.touch]
+
+    def _is_crossing(self, cut: _Cut) -> bool:
+        """Whether a piece within a touch of the other outline runs away from it, not along it."""
+        length = self._length(cut)
+        if length > CROSSING:
             return False
-        # shared: the metal of the other lies on the same side if a step to the left is inside of it
-        along = arc.curve.derivatives(np.array([0.5]))[0]
-        left = np.array([-along[1], along[0]]) / np.hypot(*along)
-        same = shapely.contains_xy(other.shape, *(middle + 20.0 * SEARCH_CHORD * left))
-        return bool(same) == union
-    inside = bool(shapely.contains_xy(other.shape, *middle))
-    return inside if not (union or first) else not inside
+        s = cut.span[0] + np.array([0.02, 0.5, 0.98]) * (cut.span[1] - cut.span[0])
+        own = cut.parent.derivatives(s)
+        at = self.outlines[1 if cut.first else 0].nearest(cut.parent.points(s)).directions
+        sine = np.abs(own[:, 0] * at[:, 1] - own[:, 1] * at[:, 0]) / np.maximum(np.hypot(*own.T), 1e-300)
+        return length * float(sine.max()) > LEAVES * self.touch
+
+    @staticmethod
+    def _length(cut: _Cut) -> float:
+        return cut.parent.trimmed(*cut.span).length()
+
+    def _kept(self, union: bool) -> list[_Cut]:
+        """The pieces that bound the result."""
+        kept: list[_Cut] = []
+        for first in (True, False):
+            own = [cut for cut in self.cuts if cut.first == first]
+            if not own:
+                continue
+            other = self.outlines[1 if first else 0]
+            points = np.array([[cut.points(share) for share in (0.25, 0.5, 0.75)] for cut in own])
+            at = other.nearest(points.reshape(-1, 2))
+            # a piece apart is judged where it is farthest from the other outline, one along it in its middle
+            where = at.distances.reshape(-1, 3).argmax(axis=1)
+            rows = np.arange(len(own))
+            inside = other.contains(points[rows, where])
+            for i, cut in enumerate(own):
+                if cut.along:
+                    direction = cut.parent.derivatives(np.array([0.5 * sum(cut.span)]))[0]
+                    same = float(direction @ at.directions[3 * i + 1]) > 0.0
+                    keep = first and same == union
+                else:
+                    keep = bool(inside[i]) != (union or first)
+                if keep:
+                    kept.append(cut)
+        return kept
+
+    def _met(self, kept: list[_Cut]) -> list[_Cut]:
+        """Where one outline goes over into the other at a node, both end where their curves cross."""
+        cuts = list(kept)
+        for node, i, j in _joints(cuts):
+            cuts[i], cuts[j] = self._crossed(cuts[i], cuts[j], node)
+        return cuts
+
+    def _crossed(self, a: _Cut, b: _Cut, node: int) -> tuple[_Cut, _Cut]:
+        """Both pieces ended where their curves cross or, if they run into one another, where one of the curves itself ends."""
+        side_a, side_b = int(a.end == node), int(b.end == node)
+        s, t = a.span[side_a], b.span[side_b]
+        turns = round(float(a.points(side_a)[0] - b.points(side_b)[0]) / self.period)
+        other = b.parent.shifted(turns * self.period) if turns else b.parent
+        trials = [(s, t), _polished(a.parent, other, s, t)]
+        trials += [(e, _projected(other, t, a.parent.points(np.array([e]))[0])) for e in (s, float(side_a))]
+        trials += [(_projected(a.parent, s, other.points(np.array([e]))[0]), e) for e in (t, float(side_b))]
+        gaps = [self._gap(a.parent, other, (s, t), trial) for trial in trials]
+        for (s, t), _ in sorted(zip(trials, gaps, strict=True), key=lambda pair: pair[1]):
+            if (s > a.span[0] if side_a else s < a.span[1]) and (t > b.span[0] if side_b else t < b.span[1]):
+                return _ended(a, side_a, s), _ended(b, side_b, t)
+        return a, b
+
+    def _gap(self, a: Curve, b: Curve, before: tuple[float, float], after: tuple[float, float]) -> float:
+        """How far two curves gape where they are ended after all; infinite where that is too far from where they were cut."""
+        (p0, p), (q0, q) = (c.points(np.array([u, v])) for c, u, v in zip((a, b), before, after, strict=True))
+        da, db = (c.derivatives(np.array([u]))[0] for c, u in zip((a, b), after, strict=True))
+        sine = abs(da[0] * db[1] - da[1] * db[0]) / max(np.hypot(*da) * np.hypot(*db), 1e-300)
+        reach = (NODE + 1.0) * self.touch
+        moved = max(np.hypot(*(p - p0)), np.hypot(*(q - q0)))
+        return float(np.hypot(*(p - q))) if moved * max(sine, reach / self.period) <= reach else np.inf
+
+    def _check(self, region: Region, union: bool) -> None:
+        """Hold the result against both regions on either side of every piece that was cut.
+
+        Raises
+        ------
+        LayerError
+            If it has metal where there is none to be, or lacks some.
+        """
+        probes = []
+        for cut in self.cuts:
+            if self.near[0 if cut.first else 1][cut.number]:
+                s = np.array([0.5 * sum(cut.span)])
+                along = cut.parent.derivatives(s)[0]
+                left = np.array([-along[1], along[0]]) / max(np.hypot(*along), 1e-300)
+                middle = cut.parent.points(s)[0]
+                probes += [middle + SIDE * self.touch * left, middle - SIDE * self.touch * left]
+        if not probes:
+            return
+        points = np.array(probes)
+        a, b = self.outlines
+        free = (a.nearest(points).distances > self.touch) & (b.nearest(points).distances > self.touch)
+        in_a, in_b = a.contains(points[free]), b.contains(points[free])
+        wanted = in_a | in_b if union else in_a & ~in_b
+        has = Outline(region, lambda _: FINE * self.touch).contains(points[free]) if region.loops else np.zeros_like(wanted)
+        if np.any(has != wanted):
+            raise LayerError(f"metal at {int(np.sum(has != wanted))} of {len(wanted)} probed places is wrong")
 
 
-def _split(a: Region, b: Region) -> tuple[list[Arc], list[Arc]]:
-    """Both regions' curves, cut where they cross; nodes are shared between the two."""
-    curves_a, curves_b = ([c for loop in r.loops for c in loop.curves] for r in (a, b))
-    cuts_a: list[list[tuple[float, int]]] = [[] for _ in curves_a]
-    cuts_b: list[list[tuple[float, int]]] = [[] for _ in curves_b]
-    boxes_a, boxes_b = (np.array([c.bounds() for c in cs]) for cs in (curves_a, curves_b))
-    node = 0
-    for i, ca in enumerate(curves_a):
-        for j, cb in enumerate(curves_b):
-            for k in _lifts(boxes_a[i], boxes_b[j], a.period):
-                for s, t in _crossings(ca, cb.shifted(k * a.period) if k else cb):
-                    cuts_a[i].append((s, node))
-                    cuts_b[j].append((t, node))
-                    node += 1
-    arcs_a, node = _cut_loops(a, cuts_a, node)
-    arcs_b, _ = _cut_loops(b, cuts_b, node)
-    return arcs_a, arcs_b
+def _groups(names: list[int], pairs: list[tuple[int, int]]) -> dict[int, int]:
+    """For each of `names`, the one that stands for all that `pairs` connect it with."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    place = {name: i for i, name in enumerate(names)}
+    ends = np.array([(place[a], place[b]) for a, b in pairs], dtype=int).reshape(-1, 2)
+    graph = coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(len(names), len(names)))
+    _, labels = connected_components(graph, directed=False)
+    _, first = np.unique(labels, return_index=True)
+    return {name: names[first[label]] for name, label in zip(names, labels, strict=True)}
 
 
-def _lifts(p: Array, q: Array, period: float) -> range:
-    if p[3] < q[1] or q[3] < p[1]:
-        return range(0)
-    return range(int(np.ceil((p[0] - q[2]) / period - 1e-9)), int(np.floor((p[2] - q[0]) / period + 1e-9)) + 1)
+def _joints(cuts: list[_Cut]) -> list[tuple[int, int, int]]:
+    """Nodes at which one piece of either outline is alone with one of the other, and which two those are."""
+    at: dict[int, list[int]] = {}
+    for i, cut in enumerate(cuts):
+        at.setdefault(cut.start, []).append(i)
+        at.setdefault(cut.end, []).append(i)
+    pairs = [(node, p[0], p[1]) for node, p in at.items() if len(p) == 2]
+    return [(node, i, j) for node, i, j in pairs if cuts[i].first != cuts[j].first]
 
 
-def _cut_loops(region: Region, cuts: list[list[tuple[float, int]]], node: int) -> tuple[list[Arc], int]:
-    arcs: list[Arc] = []
-    number = 0
-    for loop in region.loops:
-        first = node
-        for i, curve in enumerate(loop.curves):
-            last = first if i == len(loop.curves) - 1 else node + 1
-            marks = [(0.0, node), *sorted(cuts[number]), (1.0, last)]
-            for (s0, n0), (s1, n1) in itertools.pairwise(marks):
-                if s1 - s0 > 1e-12:
-                    arcs.append(Arc(curve=curve.trimmed(s0, s1), start=n0, end=n1))
-            node += 1
-            number += 1
-    return arcs, node
+def _ended(cut: _Cut, side: int, s: float) -> _Cut:
+    return replace(cut, span=(cut.span[0], s) if side else (s, cut.span[1]))
 
 
-def _crossings(a: Curve, b: Curve) -> list[tuple[float, float]]:
-    """Parameters (s, t) where two curves cross, from their polylines, polished by Newton."""
-    sa, sb = a.parameters(SEARCH_CHORD), b.parameters(SEARCH_CHORD)
-    pa, pb = a.points(sa), b.points(sb)
-    da, db = np.diff(pa, axis=0), np.diff(pb, axis=0)
-    cross = da[:, None, 0] * db[None, :, 1] - da[:, None, 1] * db[None, :, 0]
-    gap = pb[None, :-1] - pa[:-1, None]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        u = (gap[..., 0] * db[None, :, 1] - gap[..., 1] * db[None, :, 0]) / cross
-        w = (gap[..., 0] * da[:, None, 1] - gap[..., 1] * da[:, None, 0]) / cross
-    hit = (u >= 0.0) & (u < 1.0) & (w >= 0.0) & (w < 1.0)
-    found = []
-    for i, j in zip(*np.nonzero(hit), strict=True):
-        s = sa[i] + u[i, j] * (sa[i + 1] - sa[i])
-        t = sb[j] + w[i, j] * (sb[j + 1] - sb[j])
-        found.append(_polished(a, b, float(s), float(t)))
-    return found
+def _places(runs: list[tuple[float, float]], marks: Array) -> list[float]:
+    """Where a curve is cut, its ends included: at the ends of its runs along the other outline, and at marks inside of them."""
+    inner = [float(m) for m in marks if any(r0 < m < r1 for r0, r1 in runs)]
+    return sorted({0.0, 1.0, *itertools.chain(*runs), *inner})
+
+
+def _rejoined(cuts: list[_Cut]) -> list[_Cut]:
+    """Pieces of one curve that follow one another at a node of their own, as one."""
+    degree: dict[int, int] = {}
+    for cut in cuts:
+        for node in (cut.start, cut.end):
+            degree[node] = degree.get(node, 0) + 1
+    out: list[_Cut] = []
+    for cut in sorted(cuts, key=lambda c: (not c.first, c.number, c.span[0])):
+        last = out[-1] if out else None
+        follows = last is not None and (last.first, last.number) == (cut.first, cut.number)
+        if last is not None and follows and last.end == cut.start and degree[cut.start] == 2:
+            out[-1] = replace(last, span=(last.span[0], cut.span[1]), end=cut.end)
+        else:
+            out.append(cut)
+    return out
 
 
 def _polished(a: Curve, b: Curve, s: float, t: float) -> tuple[float, float]:
-    for _ in range(8):
+    """Parameters at which two curves cross, by Newton from some nearby."""
+    for _ in range(12):
         gap = b.points(np.array([t]))[0] - a.points(np.array([s]))[0]
         da, db = a.derivatives(np.array([s]))[0], b.derivatives(np.array([t]))[0]
         det = da[0] * -db[1] + da[1] * db[0]
@@ -192,3 +352,11 @@ def _polished(a: Curve, b: Curve, s: float, t: float) -> tuple[float, float]:
         s = min(max(s + (gap[0] * -db[1] + gap[1] * db[0]) / det, 0.0), 1.0)
         t = min(max(t + (da[0] * gap[1] - da[1] * gap[0]) / det, 0.0), 1.0)
     return s, t
+
+
+def _projected(curve: Curve, s: float, point: Array) -> float:
+    """The parameter near `s` at which a curve is nearest to a point, by Gauss-Newton."""
+    for _ in range(12):
+        d = curve.derivatives(np.array([s]))[0]
+        s = min(max(s + float((point - curve.points(np.array([s]))[0]) @ d / max(d @ d, 1e-300)), 0.0), 1.0)
+    return s

@@ -6,6 +6,7 @@ In: a part, radii, an axis. Out: one Layer or FailedLayer per radius.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -127,6 +128,10 @@ def _joined(index: int, radius: float, sections: dict[int, tuple[Region, Certifi
     region = union_of_regions(radius, features)
     for other in standing:
         region = difference_of_regions(region, other)
+    certificate = _merged([c for _, c in sections.values()])
+    if len(sections) > 1:
+        jog = max((loop.jog() for loop in region.loops), default=0.0)
+        certificate = replace(certificate, jog=max(certificate.jog, jog))
     return Layer(
         index=index,
         radius=radius,
@@ -134,7 +139,7 @@ def _joined(index: int, radius: float, sections: dict[int, tuple[Region, Certifi
         thickness=None,
         region=region,
         area=region.area,
-        certificate=_merged([c for _, c in sections.values()]),
+        certificate=certificate,
     )
 
 

@@ -87,7 +87,11 @@ def main(names: list[str]) -> None:
 
     print(f"OCP {OCP.__version__}")
     for name in names:
-        part = bs.read_step(name)
+        try:
+            part = bs.read_step(name)
+        except bs.InputError as error:
+            print(f"left out: {error}", flush=True)
+            continue
         for i, solid in enumerate(cut_solids(part, bs.find_axis(part))):
             print(f"{Path(name).stem}/{i} gap {solid.gaps.max():.1e}: {compare(solid)}", flush=True)
 

@@ -1,0 +1,219 @@
+"""Regions joined and taken from one another: closed forms, shapely on shared corners and edges, whole turns, real solids."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+import shapely.affinity
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+import brep_slicer as bs
+from brep_slicer.curves import LineCurve, Loop, QuadricCurve, SinusoidCurve
+from brep_slicer.region import Layer, Region, difference_of_regions, region_from_loops, slice_solids, union_of_regions
+from brep_slicer.section import cut_solids
+from brep_slicer.substrate.axis import axis_from_line
+
+R = 20.0
+TURN = 2.0 * np.pi * R
+AXIS = axis_from_line((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+
+
+def chain(corners, *, winding=0) -> Loop:
+    """Straight lines from corner to corner and back to the first."""
+    last = (corners[0][0] + winding * TURN, corners[0][1])
+    ends = [*corners[1:], last]
+    return Loop(curves=tuple(LineCurve.between(a, b) for a, b in zip(corners, ends, strict=True)), radius=R, winding=winding)
+
+
+def rectangle(k0, v0, k1, v1) -> Loop:
+    return chain([(k0, v0), (k1, v0), (k1, v1), (k0, v1)])
+
+
+def test_union_and_difference_of_crossing_rectangles():
+    a, b = (region_from_loops(R, [r]) for r in (rectangle(0, 0, 20, 10), rectangle(15, -5, 25, 5)))
+    assert union_of_regions(R, [a, b]).area == pytest.approx(200.0 + 100.0 - 25.0, rel=1e-12)
+    assert difference_of_regions(a, b).area == pytest.approx(175.0, rel=1e-12)
+    assert difference_of_regions(b, a).area == pytest.approx(75.0, rel=1e-12)
+
+
+def test_crossing_over_the_seam():
+    a = region_from_loops(R, [rectangle(-10, 0, 10, 10)])
+    b = region_from_loops(R, [rectangle(TURN + 5, -5, TURN + 15, 5)])
+    assert union_of_regions(R, [a, b]).area == pytest.approx(200.0 + 100.0 - 25.0, rel=1e-12)
+
+
+def test_a_blade_on_a_band_and_kinds_are_kept():
+    wave = SinusoidCurve(coefficients=np.array([40.0, 3.0, 0.0]), radius=R, range=(TURN, 0.0))
+    lower = Loop(curves=(LineCurve(p0=(0.0, 0.0), p1=(TURN, 0.0)),), radius=R, winding=1)
+    band = region_from_loops(R, [lower, Loop(curves=(wave,), radius=R, winding=-1)])
+    blade = region_from_loops(R, [rectangle(-5, 30, 5, 60)])
+    both = union_of_regions(R, [band, blade])
+    outside = difference_of_regions(blade, band)
+    assert both.area == pytest.approx(band.area + outside.area, rel=1e-12)
+    # the strip of the blade that lies in the band: integral of 40 + 3 cos(k / R) - 30 over |k| < 5
+    inside = 2.0 * (10.0 * 5.0 + 3.0 * R * np.sin(5.0 / R))
+    assert outside.area == pytest.approx(300.0 - inside, rel=1e-11)
+    assert {c.kind.value for loop in outside.loops for c in loop.curves} == {"line", "sinusoid"}
+
+
+def test_a_piece_inside_of_another():
+    a, b = (region_from_loops(R, [r]) for r in (rectangle(0, 0, 20, 10), rectangle(5, 2, 8, 4)))
+    assert union_of_regions(R, [a, b]).area == pytest.approx(200.0)
+    assert difference_of_regions(b, a).is_empty
+    assert difference_of_regions(a, b).area == pytest.approx(194.0)
+
+
+def test_pieces_that_touch_are_one():
+    a, b = (region_from_loops(R, [r]) for r in (rectangle(0, 0, 20, 10), rectangle(20, 0, 30, 10)))
+    both = union_of_regions(R, [a, b])
+    assert both.area == pytest.approx(300.0)
+    assert len(both.pieces) == 1
+    assert difference_of_regions(a, b).area == pytest.approx(200.0)
+
+
+def test_nothing():
+    a = region_from_loops(R, [rectangle(0, 0, 20, 10)])
+    assert union_of_regions(R, []).is_empty
+    assert union_of_regions(R, [Region(radius=R), a]).area == pytest.approx(200.0)
+    assert difference_of_regions(Region(radius=R), a).is_empty
+
+
+GAPS = [1e-10, 1e-7, 5e-7, 2e-6, 1e-5, 1e-4, 1e-3, 1e-2]
+
+
+@pytest.mark.parametrize("gap", GAPS)
+def test_overlaps_of_any_width_count_once(gap):
+    a, b = (region_from_loops(R, [r]) for r in (rectangle(0, 0, 20, 10), rectangle(20 - gap, 2, 30, 12)))
+    both = union_of_regions(R, [a, b])
+    assert len(both.pieces) == 1
+    assert both.area == pytest.approx(200.0 + 100.0, abs=8.0 * gap + 1e-9)
+    assert both.area == pytest.approx(300.0 + 10.0 * gap - 8.0 * gap, abs=1e-9 if gap > 1e-6 else 10.0 * gap)
+
+
+@pytest.mark.parametrize("gap", GAPS)
+def test_gaps_wider_than_a_touch_stay(gap):
+    a, b = (region_from_loops(R, [r]) for r in (rectangle(0, 0, 20, 10), rectangle(20 + gap, 2, 30, 12)))
+    both = union_of_regions(R, [a, b])
+    assert len(both.pieces) == (1 if gap < 1e-6 else 2)
+    assert both.area == pytest.approx(300.0 - 10.0 * gap, abs=1e-9 if gap > 1e-6 else 10.0 * gap)
+
+
+def test_the_same_region_twice_and_a_hole_filled():
+    hole = rectangle(5, 2, 8, 4).reversed()
+    a = region_from_loops(R, [rectangle(0, 0, 20, 10), hole])
+    assert union_of_regions(R, [a, a]).area == pytest.approx(194.0)
+    assert difference_of_regions(a, a).is_empty
+    plug = region_from_loops(R, [hole.reversed()])
+    whole = union_of_regions(R, [a, plug])
+    assert whole.area == pytest.approx(200.0)
+    assert not whole.pieces[0].holes
+
+
+@pytest.mark.parametrize("starts", [(0.0, 1 / 2), (0.1, 0.35, 0.8), (0.0, 0.25, 0.5, 0.75)])
+@pytest.mark.parametrize("overlap", [0.0, 3.0])
+def test_sectors_close_to_a_band(starts, overlap):
+    ends = [*starts[1:], starts[0] + 1.0]
+    sectors = [
+        region_from_loops(R, [rectangle(a * TURN, 0, b * TURN + overlap, 10)]) for a, b in zip(starts, ends, strict=True)
+    ]
+    band = union_of_regions(R, sectors)
+    assert [piece.winds for piece in band.pieces] == [True]
+    assert band.area == pytest.approx(10.0 * TURN, rel=1e-12)
+    assert max(loop.jog() for loop in band.loops) < 1e-9
+
+
+def pin(kappa, v, size) -> Region:
+    """The section of a cylinder of radius `size`, square to the axis: size**2 = (R sin theta)**2 + v**2."""
+    theta = kappa / R
+    c = 0.5 * R**2 * np.array([1.0, 0.0, 0.0, -np.cos(2 * theta), -np.sin(2 * theta)])
+    c[0] += v * v - size**2
+    b = np.array([-v, 0.0, 0.0])
+    half = R * np.arcsin(size / R)
+    curve = QuadricCurve(a=1.0, b=b, c=c, radius=R, branch=1, range=(0.0, 2 * np.pi), fold=(kappa, half))
+    loop = Loop(curves=(curve,), radius=R)
+    return region_from_loops(R, [loop if loop.signed_area() > 0 else loop.reversed()])
+
+
+def test_pins_that_cross_touch_and_fill_their_holes():
+    a, b, c = pin(0.0, 0.0, 4.0), pin(3.0, 2.0, 4.0), pin(0.0, 8.0, 4.0)
+    chord = 1e-6
+    truth = shapely.union_all([r.to_shapely(chord=chord) for r in (a, b)]).area
+    both = union_of_regions(R, [a, b])
+    assert both.area == pytest.approx(truth, abs=chord * both.length)
+    assert both.area == pytest.approx(a.area + difference_of_regions(b, a).area, rel=1e-12)
+    assert max(loop.jog() for loop in both.loops) < 1e-9
+    assert union_of_regions(R, [a, c]).area == pytest.approx(a.area + c.area, rel=1e-9)
+    band = region_from_loops(R, [chain([(1.0, -10.0)], winding=1), chain([(1.0, 10.0)], winding=-1)])
+    drilled = difference_of_regions(band, b)
+    assert drilled.area == pytest.approx(band.area - b.area, rel=1e-12)
+    assert union_of_regions(R, [drilled, b]).area == pytest.approx(band.area, rel=1e-12)
+
+
+def shape(steps) -> shapely.Geometry:
+    """Boxes and triangles on a grid, added and taken away: shared edges, corners on edges, corners on corners."""
+    out = shapely.Polygon()
+    for x, y, w, h, lean, add in steps:
+        part = shapely.box(x, y, x + w, y + h) if lean is None else shapely.Polygon([(x, y), (x + w, y), (x + lean, y + h)])
+        out = out.union(part) if add else out.difference(part)
+    return shapely.set_precision(out, 0.0)
+
+
+def region(polygons, move: float) -> Region:
+    loops = []
+    moved = shapely.affinity.translate(polygons, move)
+    for polygon in getattr(moved, "geoms", [moved]):
+        oriented = shapely.geometry.polygon.orient(polygon)
+        loops += [chain(line.coords[:-1]) for line in (oriented.exterior, *oriented.interiors)]
+    return region_from_loops(R, loops)
+
+
+steps = st.lists(
+    st.tuples(
+        st.integers(0, 5),
+        st.integers(0, 5),
+        st.integers(1, 4),
+        st.integers(1, 4),
+        st.none() | st.integers(0, 4),
+        st.sampled_from([True, True, True, False]),
+    ),
+    min_size=1,
+    max_size=3,
+)
+
+
+@settings(max_examples=60)
+@given(steps, steps, st.sampled_from([0.05, 1.0, 9.0]), st.sampled_from([0.0, 37.0]), st.floats(-90, 90), st.integers(-2, 2))
+def test_as_shapely_does_where_corners_and_edges_fall_together(one, other, scale, angle, move, turns):
+    first, second = (
+        shapely.affinity.rotate(shapely.affinity.scale(shape(s), scale, scale, origin=(0, 0)), angle, origin=(0, 0))
+        for s in (one, other)
+    )
+    assume(first.area > 0 and second.area > 0)
+    a, b = region(first, move), region(second, move + turns * TURN)
+    fine = 1e-9 * scale
+    for result, truth in (
+        (union_of_regions(R, [a, b]), shapely.union(first, second, grid_size=fine)),
+        (difference_of_regions(a, b), shapely.difference(first, second, grid_size=fine)),
+    ):
+        assert result.area == pytest.approx(truth.area, abs=1e-6 * scale)
+
+
+def test_solids_that_cross_touch_and_coincide():
+    bd = pytest.importorskip("build123d")
+    ring = bd.Cylinder(20, 30) - bd.Cylinder(10, 30)
+    hole = bd.Pos(15, 0, 0) * bd.Rot(0, 90, 0) * bd.Cylinder(4, 20)
+    side = bd.Rot(90, 0, 0) * bd.Pos(0, 3, -20) * bd.Cylinder(4, 30)
+    for shapes, radii, truth in (
+        ([ring, ring], (12.0, 15.0), lambda r: 2 * np.pi * r * 30),
+        ([ring - hole, hole], (12.0, 15.0, 18.0), lambda r: 2 * np.pi * r * 30),
+        ([ring - hole, bd.Rot(0, 0, 40) * (ring - hole)], (12.0, 18.0), lambda r: 2 * np.pi * r * 30),
+        ([ring, bd.Pos(0, 0, 30) * ring], (12.0, 18.0), lambda r: 2 * np.pi * r * 60),
+        ([ring, side, hole], (12.0, 18.0), lambda r: 2 * np.pi * r * 30),
+    ):
+        part = bs.as_part(bd.Compound([s for shape in shapes for s in shape.solids()]))
+        for layer in slice_solids(cut_solids(part, AXIS), radii):
+            assert isinstance(layer, Layer)
+            assert layer.area == pytest.approx(truth(layer.radius), rel=1e-9)
+            assert len(layer.region.pieces) == 1

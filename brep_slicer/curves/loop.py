@@ -9,6 +9,7 @@ universal cover, a whole number of turns apart; *jog*, the gap between one curve
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -29,6 +30,7 @@ class Loop:
     radius: float
     winding: int = 0
     _moments: dict[int, float] = field(init=False, repr=False, default_factory=dict)
+    _known: dict[str, Any] = field(init=False, repr=False, default_factory=dict)
 
     @property
     def period(self) -> float:
@@ -63,6 +65,11 @@ class Loop:
 
     def _joints(self) -> tuple[Array, Array]:
         """Each curve's end, and the start of the one that follows it, (n, 2)."""
+        if "joints" not in self._known:
+            self._known["joints"] = self._find_joints()
+        return self._known["joints"]
+
+    def _find_joints(self) -> tuple[Array, Array]:
         starts = np.array([curve.start for curve in self.curves])
         ends = np.array([curve.end for curve in self.curves])
         following = np.concatenate([starts[1:], starts[:1]])
@@ -71,6 +78,11 @@ class Loop:
 
     def bounds(self) -> tuple[float, float, float, float]:
         """(kappa_min, v_min, kappa_max, v_max) in mm."""
+        if "bounds" not in self._known:
+            self._known["bounds"] = self._find_bounds()
+        return self._known["bounds"]
+
+    def _find_bounds(self) -> tuple[float, float, float, float]:
         ends = np.concatenate(self._joints())
         curved = [curve.bounds() for curve in self.curves if not isinstance(curve, LineCurve)]
         boxes = np.array([(*ends.min(axis=0), *ends.max(axis=0)), *curved])

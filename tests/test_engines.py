@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import build123d as bd
 import numpy as np
 import pytest
 
@@ -9,7 +10,8 @@ import brep_slicer as bs
 from brep_slicer.errors import LayerError
 from brep_slicer.section import cut_solids
 from brep_slicer.section.analytic import sections_by_analysis
-from brep_slicer.section.boolean import section_by_boolean
+from brep_slicer.section.boolean import COINCIDENCE_STEP, section_by_boolean
+from brep_slicer.substrate.axis import axis_from_line
 from brep_slicer.testing import area_by_flux
 
 
@@ -70,3 +72,18 @@ def test_a_lobe_that_the_boolean_leaves_out_is_not_believed(real_step):
     part = bs.read_step(real_step("propeller_6land_D_5axisslicer.step"))
     (layer,) = bs.slice_part(part, [35.0045786])
     assert layer.failed or layer.area == pytest.approx(57.6611, rel=5e-3)
+
+
+@pytest.mark.parametrize("offset", [0.01, 0.3, 5.0])
+def test_a_step_outwards_says_how_far_it_moves_the_outline(offset):
+    # a disc beside the axis: on the cylinder that touches it from inside the band is whole, a step farther out it is open by
+    # 2 R phi, far more than sqrt(2 R step) where the disc is curved nearly like the cylinder
+    disc = bd.Pos(offset, 0, 0) * bd.Cylinder(21.0, 10.0)
+    (solid,) = cut_solids(bs.as_part(disc), axis_from_line((0, 0, 0), (0, 0, 1)))
+    radius = 21.0 - offset
+    loops, certificate = section_by_boolean(solid.wrapped, radius, critical=solid.critical.radii)
+    used = radius + COINCIDENCE_STEP
+    moved = radius * (np.pi - np.arccos((used**2 + offset**2 - 21.0**2) / (2.0 * used * offset)))
+    assert certificate.coincident
+    assert sum(loop.signed_area() for loop in loops) == pytest.approx(10.0 * (2.0 * np.pi * radius - 2.0 * moved), rel=1e-6)
+    assert 0.999 * moved < certificate.residual < 1.1 * moved

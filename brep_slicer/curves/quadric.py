@@ -84,6 +84,8 @@ class QuadricCurve(Curve):
         # implicit function theorem: 2 (a v + b) dv + (2 v db + dc) dtheta = 0
         across, along = 2.0 * (self.a * v + b), -(2.0 * v * db + dc) / self.radius
         if self.fold is None:
+            # at the end of the range the curve may be upright: steep beyond measure, but a number
+            across = np.where(across == 0.0, 1e-100, across)
             return np.stack([np.full_like(kappa, span), span * along / across], axis=-1)
         dkappa = self.fold[1] * np.sin(p)
         return span * np.stack([dkappa, self._folded_slope(s, p, dkappa, along, across)], axis=-1)

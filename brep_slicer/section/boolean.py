@@ -9,6 +9,7 @@ Words: *step*, how far outside of a coincident face the solid is cut instead (th
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from brep_slicer.maps import TURN, Array
 
 from .certificate import Certificate, Engine
 from .chain import Arc, loops_from_arcs
+from .stepped import moved_by_step
 from .unroll import curve_on_cylinder
 
 # OCCT's booleans are wrong within about 1e-6 mm of a coincident face (DESIGN section 4): stay ten times farther away.
@@ -48,20 +50,32 @@ def section_by_boolean(solid: Any, radius: float, *, critical: Array) -> tuple[l
     LayerError
         If the boolean fails, or its checks do, wherever the cylinder face is cut open.
     """
+    used = clear_radius(radius, critical)
+    loops, certificate = _cut(solid, used)
+    loops = [loop.on_radius(radius) for loop in loops]
+    if used == radius:
+        return loops, certificate
+    farther = clear_radius(2.0 * used - radius, critical)
+    far = [loop.on_radius(radius) for loop in _cut(solid, farther)[0]]
+    moved = moved_by_step(loops, far, (used - radius, farther - radius))
+    return loops, replace(certificate, residual=max(certificate.residual, moved), coincident=True)
+
+
+def _cut(solid: Any, radius: float) -> tuple[list[Loop], Certificate]:
+    """One cut, at the first seam at which its checks hold."""
     reason = ""
     for seam in SEAMS:
         try:
-            return _cut_once(solid, radius, critical, seam)
+            return _cut_once(solid, radius, seam)
         except LayerError as error:
             reason = str(error)
     raise LayerError(reason)
 
 
-def _cut_once(solid: Any, radius: float, critical: Array, seam: float) -> tuple[list[Loop], Certificate]:
+def _cut_once(solid: Any, used: float, seam: float) -> tuple[list[Loop], Certificate]:
     """One cut of the whole turn, its seam at the angle `seam` (rad), checked against two half-turns."""
     from brep_slicer.kernel.booleans import common_with_cylinder, height_range
 
-    used, residual = clear_radius(radius, critical)
     low, high = height_range(solid)
     margin = 1.0 + 0.01 * (high - low)
     heights = (low - margin, high + margin)
@@ -75,30 +89,25 @@ def _cut_once(solid: Any, radius: float, critical: Array, seam: float) -> tuple[
     halves = sum(
         common_with_cylinder(solid, used, seam=seam + 1.0 + k * math.pi, turn=math.pi, heights=heights).area for k in (0, 1)
     )
-    tolerance = max((u.tolerance for u in whole.uses), default=INTERSECTION_RESIDUAL)
+    tolerance = max([INTERSECTION_RESIDUAL, *(u.tolerance for u in whole.uses)])
     jog = max((loop.jog() for loop in loops), default=0.0)
-    allowed = CUTS * length * (max(tolerance, INTERSECTION_RESIDUAL) + jog) + 1e-9 * area
+    allowed = CUTS * length * (tolerance + jog) + 1e-9 * area
     checks: dict[str, bool | float | str] = {
         "area_of_half_turns_mm2": halves - area,
         "area_of_occt_face_mm2": whole.area - area,
+        "edge_tolerance_mm": tolerance,
     }
     if abs(halves - area) > allowed or abs(whole.area - area) > allowed:
         raise LayerError(
-            f"OCCT's boolean contradicts itself at radius {radius:g} mm: {area:.6g} mm2 in its outline,"
+            f"OCCT's boolean contradicts itself at radius {used:g} mm: {area:.6g} mm2 in its outline,"
             f" {whole.area:.6g} in its faces, {halves:.6g} in two half-turns"
         )
-    certificate = Certificate(
-        engine=Engine.BOOLEAN, residual=max(residual, tolerance), jog=jog, checks=checks, coincident=used != radius
-    )
-    return [loop.on_radius(radius) for loop in loops], certificate
+    return loops, Certificate(engine=Engine.BOOLEAN, residual=tolerance, jog=jog, checks=checks)
 
 
-def clear_radius(radius: float, critical: Array) -> tuple[float, float]:
-    """The radius to cut at, stepped outwards until no critical radius is near, and how far that moves the outline.
-
-    By sqrt(2 R step) where a flat leaves the cylinder; more where a face is curved nearly like it.
-    """
+def clear_radius(radius: float, critical: Array) -> float:
+    """The radius to cut at, stepped outwards until no critical radius is near."""
     used = radius
     while np.any(np.abs(np.asarray(critical) - used) < 0.5 * COINCIDENCE_STEP):
         used += COINCIDENCE_STEP
-    return used, math.sqrt(2.0 * radius * (used - radius)) if used != radius else INTERSECTION_RESIDUAL
+    return used

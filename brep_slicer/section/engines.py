@@ -9,7 +9,7 @@ agree. If it is not believed either, the analytic engine is asked a little farth
 
 from __future__ import annotations
 
-import math
+import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -21,14 +21,16 @@ from brep_slicer.errors import LayerError
 from brep_slicer.maps import Array
 
 from .analytic import sections_by_analysis
-from .boolean import clear_radius, section_by_boolean
+from .boolean import COINCIDENCE_STEP, clear_radius, section_by_boolean
 from .certificate import Certificate, Engine
 from .cut_solid import CutSolid
 from .oracle import area_and_turnover, areas_by_flux
+from .stepped import moved_by_step
 
 Found = tuple[list[Loop], Certificate] | LayerError
 # How far outside of a radius the analytic engine is asked again, mm: beyond the noise of tangencies, within the boolean's step.
-STEPS = np.array([1e-7, 1e-6, 1e-5])
+# Of two that it vouches for the nearer one is taken; the other one tells how far it has moved.
+STEPS = np.array([1e-7, 1e-6, 1e-5, 2e-5])
 # The quick surface integral is good to this share of a solid's largest section; the exact one judges what differs by more.
 QUICK = 1e-3
 # Solids of so few faces are judged by the exact one at once.
@@ -59,17 +61,21 @@ class SolidSections:
         solid, radius = self.solid, float(self.radii[i])
         try:
             loops, certificate = section_by_boolean(solid.wrapped, radius, critical=solid.critical.radii)
-            used, _ = clear_radius(radius, solid.critical.radii)
-            return loops, self._agreed(i, used, loops, replace(certificate, fallback=reason))
+            used = clear_radius(radius, solid.critical.radii)
+            tolerance = float(certificate.checks["edge_tolerance_mm"])
+            return loops, self._agreed(i, used, loops, replace(certificate, fallback=reason), tolerance)
         except LayerError as error:
             reason = f"{error}; before that: {reason}" if reason else str(error)
-        for step, found in zip(STEPS.tolist(), sections_by_analysis(solid, radius + STEPS), strict=True):
-            if isinstance(found, LayerError):
-                continue
-            loops = [loop.on_radius(radius) for loop in found[0]]
-            moved = max(found[1].residual, math.sqrt(2.0 * radius * step))
+        outside = sections_by_analysis(solid, radius + STEPS)
+        vouched = [
+            (step, *found) for step, found in zip(STEPS.tolist(), outside, strict=True) if not isinstance(found, LayerError)
+        ]
+        for (step, cut, certificate), (farther, beyond, _) in itertools.pairwise(vouched):
+            loops, far = ([loop.on_radius(radius) for loop in found] for found in (cut, beyond))
+            stated = max(certificate.residual, moved_by_step(loops, far, (step, farther)))
+            believed = replace(certificate, residual=stated, fallback=reason)
             try:
-                return loops, self._agreed(i, radius + step, loops, replace(found[1], residual=moved, fallback=reason))
+                return loops, self._agreed(i, radius + step, loops, believed, certificate.residual)
             except LayerError:
                 continue
         return LayerError(reason)
@@ -77,15 +83,15 @@ class SolidSections:
     @cached_property
     def _quick(self) -> Array:
         """Areas (mm**2) by the quick surface integral at all radii, all a boolean's step farther out."""
-        return areas_by_flux(self.solid.brep, self.radii + STEPS[-1], level=self.solid.stretches.face_level)
+        return areas_by_flux(self.solid.brep, self.radii + COINCIDENCE_STEP, level=self.solid.stretches.face_level)
 
-    def _agreed(self, i: int, used: float, loops: list[Loop], certificate: Certificate) -> Certificate:
+    def _agreed(self, i: int, used: float, loops: list[Loop], certificate: Certificate, tolerance: float) -> Certificate:
         """The certificate with the surface integral's word.
 
         Raises
         ------
         LayerError
-            If the areas at the radius `used` (mm) differ by more than the integral is good for.
+            If the areas at the radius `used` (mm) differ by more than the integral is good for, and `tolerance` (mm).
         """
         if used < NEAR_AXIS * self.solid.critical.highest:
             return certificate
@@ -94,7 +100,7 @@ class SolidSections:
         differs = float(self._quick[i]) - area
         if len(self.solid.brep.faces) <= FEW_FACES or abs(differs) > QUICK * scale:
             (coarse, _), (fine, turnover) = (area_and_turnover(self.solid.brep, used, panels=panels) for panels in PANELS)
-            edge = sum(loop.length() for loop in loops) * max(certificate.residual, certificate.jog)
+            edge = sum(loop.length() for loop in loops) * max(tolerance, certificate.jog)
             differs = fine - area
             if abs(differs) > NOISE * abs(fine - coarse) + SHARE * turnover + edge:
                 raise LayerError(

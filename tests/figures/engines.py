@@ -9,39 +9,17 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import shapely
 
 import brep_slicer as bs
-from brep_slicer.curves import Loop
 from brep_slicer.errors import LayerError
-from brep_slicer.maps import TURN
 from brep_slicer.section import CutSolid, cut_solids
 from brep_slicer.section.analytic import sections_by_analysis
 from brep_slicer.section.boolean import section_by_boolean
+from brep_slicer.section.stepped import outlines_apart
 from brep_slicer.testing import area_by_flux
 
 RADII, AWAY = 50, 1e-4
 SAME_AREA, SAME_OUTLINE = 1e-6, 1e-5
-
-
-def outlines_apart(first: list[Loop], second: list[Loop], radius: float) -> float:
-    """The farthest that points of either outline lie from the other, mm (across the seam too)."""
-    worst = 0.0
-    for one, other in ((first, second), (second, first)):
-        rings = [loop.shifted(k).sample(1e-7) for loop in other for k in _lifts(loop)]
-        lines = shapely.MultiLineString(rings)
-        shapely.prepare(lines)
-        points = np.concatenate([loop.sample(1e-3) for loop in one])
-        period = TURN * radius
-        points[:, 0] = np.remainder(points[:, 0] + 0.5 * period, period) - 0.5 * period
-        worst = max(worst, float(shapely.distance(lines, shapely.points(points)).max(initial=0.0)))
-    return worst
-
-
-def _lifts(loop: Loop) -> range:
-    """The turns by which a loop may be moved and still meet [-half a turn, half a turn], with one to spare."""
-    k0, _, k1, _ = loop.bounds()
-    return range(int(np.floor(-k1 / loop.period)) - 1, int(np.ceil(-k0 / loop.period)) + 2)
 
 
 def compare(solid: CutSolid) -> str:
@@ -63,7 +41,7 @@ def compare(solid: CutSolid) -> str:
             continue
         a, b = (sum(loop.signed_area() for loop in loops) for loops in (section[0], by_boolean))
         off = abs(a - b) / max(abs(b), 1e-12)
-        apart = outlines_apart(list(section[0]), list(by_boolean), radius)
+        apart = outlines_apart(section[0], by_boolean)
         # met at a grazing angle, an edge's gap moves the crossing by more than the gap: the certificate says how far
         allowed = max(SAME_OUTLINE, float(section[1].checks["jog_allowed_mm"]))
         length = sum(loop.length() for loop in section[0])

@@ -60,12 +60,6 @@ def _part(path: Path, unit: str | None, solids: list[str] | None) -> Any:
     return read_step(path, unit=unit, solids=solids or None)
 
 
-def _axis(text: str | None) -> Any:
-    from brep_slicer.substrate.axis import axis_from_text
-
-    return None if text is None else axis_from_text(text)
-
-
 @app.command()
 def inspect(
     part: PartFile,
@@ -78,7 +72,7 @@ def inspect(
     """Say what a part looks like to a planner: axis, cylinders, radial range, overhangs."""
     from brep_slicer.inspection import inspect_part
 
-    found = inspect_part(_part(part, unit, solid), axis=_axis(axis), substrate=substrate)
+    found = inspect_part(_part(part, unit, solid), axis=axis, substrate=substrate)
     if as_json:
         typer.echo(json.dumps(found.as_dict(), indent=1))
         return
@@ -197,10 +191,10 @@ def plan(
         made = plan_part(
             read,
             settings,
-            axis=_axis(axis),
+            axis=axis,
             substrate=substrate,
-            layers=_layer_range(layers),
-            engine=_engine(engine),
+            layers=layers,
+            engine=engine,
             progress=advance,
         )
     written = write_plan(made, out, allow_failed=allow_failed, step=step, dxf=dxf, proof=proof)
@@ -241,32 +235,7 @@ def _choice(option: str, value: str | None, name: str) -> Any:
         return None
     from brep_slicer import process
 
-    kind = getattr(process, name)
-    try:
-        return kind(value)
-    except ValueError:
-        raise InputError(f"{option} is {value!r}; it must be one of {', '.join(e.value for e in kind)}") from None
-
-
-def _engine(value: str) -> Any:
-    from brep_slicer.section import Engine
-
-    try:
-        return Engine(value)
-    except ValueError:
-        raise InputError(f"--engine is {value!r}; it must be one of {', '.join(e.value for e in Engine)}") from None
-
-
-def _layer_range(text: str | None) -> tuple[int | None, int | None] | None:
-    if text is None:
-        return None
-    try:
-        first, last = (int(x) if x else None for x in text.split(":"))
-    except ValueError:
-        raise InputError(f"--layers is {text!r}; give a:b, as 0:3 for the first three") from None
-    if first is not None and last is not None and 0 <= last <= first:
-        raise InputError(f"--layers is {text!r}, which holds no layer; give a:b with a less than b, as 0:3 for the first three")
-    return first, last
+    return process.choice(option, value, getattr(process, name))
 
 
 class _progress:

@@ -15,7 +15,7 @@ from brep_slicer.field import radial_gradient, radii_of
 from brep_slicer.geometry import Face
 from brep_slicer.part import Part, as_part
 from brep_slicer.section import CutSolid, cut_solids
-from brep_slicer.substrate.axis import Axis, axis_candidates, describe_candidate, find_axis
+from brep_slicer.substrate.axis import Axis, as_axis, axis_candidates, describe_candidate
 from brep_slicer.substrate.radius import CylinderCandidate, coaxial_cylinders, find_substrate
 
 # A face overhangs where its outward normal points towards the axis by more than this (a slope of 1 degree).
@@ -54,7 +54,7 @@ class Inspection:
         }
 
 
-def inspect_part(part: Any, *, axis: Axis | None = None, substrate: float | None = None) -> Inspection:
+def inspect_part(part: Any, *, axis: Axis | str | None = None, substrate: float | None = None) -> Inspection:
     """Look at a part as a planner would.
 
     Raises
@@ -66,7 +66,7 @@ def inspect_part(part: Any, *, axis: Axis | None = None, substrate: float | None
     """
     part = as_part(part)
     candidates = axis_candidates(part)
-    axis = find_axis(part) if axis is None else axis
+    axis = as_axis(axis, part)
     solids = cut_solids(part, axis)
     reach = {s.index: s.critical.highest for s in solids}
     warnings = list(part.notes)

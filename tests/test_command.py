@@ -127,7 +127,7 @@ BAD = {
     "substrate outside": (["plan", TOOTH, "-t", 1, "-d", 1, "--substrate", 500], 2, "leaves nothing to build"),
     "no such solid": (["plan", TOOTH, "-t", 1, "-d", 1, "--solid", "x"], 2, "there is no solid 'x'"),
     "no such layers": (["plan", TOOTH, "-t", 1.4, "-d", 1, "--layers", "99:"], 2, "give a:b within 0:31"),
-    "layers in words": (["plan", TOOTH, "-t", 1.4, "-d", 1, "--layers", "all"], 2, "give a:b"),
+    "layers in words": (["plan", TOOTH, "-t", 1.4, "-d", 1, "--layers", "all"], 2, "give 'a:b'"),
     "last layer": (["plan", TOOTH, "-t", 1.4, "-d", 1, "--last-layer", "eat"], 2, "keep, drop, stretch"),
     "engine": (["plan", TOOTH, "-t", 1.4, "-d", 1, "--engine", "steam"], 2, "analytic, boolean"),
     "no bead fits": (["plan", TOOTH, "-t", 1.4, "-d", 80, "--layers", "0:1"], 3, "no bead fits into any layer"),

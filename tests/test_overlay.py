@@ -183,7 +183,7 @@ steps = st.lists(
 )
 
 
-@settings(max_examples=60)
+@settings(max_examples=60, deadline=None)
 @given(steps, steps, st.sampled_from([0.05, 1.0, 9.0]), st.sampled_from([0.0, 37.0]), st.floats(-90, 90), st.integers(-2, 2))
 def test_as_shapely_does_where_corners_and_edges_fall_together(one, other, scale, angle, move, turns):
     first, second = (

@@ -12,10 +12,10 @@ from typing import Any
 from brep_slicer.errors import InputError, LayerError, PlanningError
 from brep_slicer.fill import LayerFill, PatternChoice, fill_layer
 from brep_slicer.part import Part, as_part
-from brep_slicer.process import Process
+from brep_slicer.process import Process, choice, layer_range
 from brep_slicer.region import FailedLayer, Layer, Region, features_of, slice_solids, slice_with_allowance
 from brep_slicer.section import CutSolid, Engine, cut_solids
-from brep_slicer.substrate.axis import Axis, find_axis
+from brep_slicer.substrate.axis import Axis, as_axis
 from brep_slicer.substrate.layers import LayerStack, stack_layers
 from brep_slicer.substrate.radius import Substrate, find_substrate
 from brep_slicer.toolpath import DepositLayer, Motion, Obstacles, Toolpath, lift_layers, obstacles_of
@@ -63,10 +63,10 @@ def plan(
     part: Any,
     process: Process,
     *,
-    axis: Axis | None = None,
+    axis: Axis | str | None = None,
     substrate: float | None = None,
     substrate_solids: Sequence[int] | None = None,
-    layers: tuple[int | None, int | None] | None = None,
+    layers: tuple[int | None, int | None] | str | None = None,
     engine: Engine | str = Engine.ANALYTIC,
     pattern: PatternChoice | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -79,13 +79,13 @@ def plan(
         A Part, or anything that `as_part` takes.
     process : Process
         Layer thickness, step-over and the rest.
-    axis : Axis, optional
-        Found by a vote of the faces if not given.
+    axis : Axis or text, optional
+        As `axis_from_text` reads it; found by a vote of the faces if not given.
     substrate : float, optional
         Radius (mm) to build on; by default the rule of `find_substrate`.
     substrate_solids : sequence of int, optional
         Indices of the solids that stand already.
-    layers : (first, past the last), optional
+    layers : (first, past the last) or a text "a:b", optional
         Plan only these layers; they keep their numbers.
     engine : Engine or str
         How sections are cut.
@@ -106,9 +106,11 @@ def plan(
     PlanningError
         If there is no axis, no substrate, no layer, or no metal in a layer.
     """
+    cutter = choice("engine", engine, Engine)
+    asked = (None, None) if layers is None else layer_range("layers", layers)
     part = as_part(part)
     given = axis is not None
-    axis = find_axis(part) if axis is None else axis
+    axis = as_axis(axis, part)
     solids = cut_solids(part, axis)
     reach = {s.index: s.critical.highest for s in solids}
     chosen = find_substrate(part, axis, reach=reach, radius=substrate, solids=substrate_solids)
@@ -118,8 +120,8 @@ def plan(
     highest = max(features) + process.allowance
     _check_step_over(part, process, highest)
     stack = stack_layers(chosen.radius, highest, process)
-    numbers = _chosen_layers(part, len(stack.radii), layers)
-    cut = _cut(solids, stack, numbers, chosen, process, Engine(engine), progress)
+    numbers = _chosen_layers(part, len(stack.radii), asked)
+    cut = _cut(solids, stack, numbers, chosen, process, cutter, progress)
     if all(not isinstance(layer, FailedLayer) and layer.region.is_empty for layer in cut):
         raise PlanningError(
             f"{part.source}: no layer meets any metal outside of R {chosen.radius:.6g} mm; check axis and substrate"
@@ -250,11 +252,11 @@ def motion_of(process: Process) -> Motion:
     )
 
 
-def _chosen_layers(part: Part, count: int, layers: tuple[int | None, int | None] | None) -> range:
-    numbers = range(count)[slice(*(layers or (None, None)))]
+def _chosen_layers(part: Part, count: int, asked: tuple[int | None, int | None]) -> range:
+    numbers = range(count)[slice(*asked)]
     if not numbers:
-        asked = ":".join("" if x is None else str(x) for x in layers or (None, None))
-        raise InputError(f"{part.source}: layers {asked} are none of the {count} layers; give a:b within 0:{count}")
+        text = ":".join("" if x is None else str(x) for x in asked)
+        raise InputError(f"{part.source}: layers {text} are none of the {count} layers; give a:b within 0:{count}")
     return numbers
 
 

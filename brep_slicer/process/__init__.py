@@ -6,7 +6,7 @@ In: numbers from Python, the command line or a TOML file. Out: a frozen Process.
 from .parameters import Process
 from .rules import Rule
 from .toml import process_from_values, read_process, read_process_values
-from .values import CutAt, Fit, InnerPattern, LastLayer, Order, check_radii
+from .values import CutAt, Fit, InnerPattern, LastLayer, Order, check_radii, choice, layer_range
 
 __all__ = [
     "CutAt",
@@ -17,6 +17,8 @@ __all__ = [
     "Process",
     "Rule",
     "check_radii",
+    "choice",
+    "layer_range",
     "process_from_values",
     "read_process",
     "read_process_values",

@@ -17,7 +17,7 @@ from brep_slicer.errors import InputError
 
 from .parameters import CHOICES, WHOLE, Process
 from .rules import RULED, Rule
-from .values import ANGLES, choice, finite, whole
+from .values import ANGLES, choice, finite, layer_range, whole
 
 SWITCHES = tuple(f.name for f in fields(Process) if f.type == "bool")
 # Keys of a rule that say where it holds.
@@ -76,20 +76,12 @@ def _rule(table: Any, source: str) -> Rule:
     changes = _parameters({k: v for k, v in table.items() if k not in WHERE}, RULED, f"{source}: in a rule", WHERE)
     where = {key: table[key] for key in WHERE if key in table}
     if "layers" in where:
-        where["layers"] = _layers(where["layers"], source)
+        where["layers"] = _said(source, layer_range, "layers", where["layers"])
     if not isinstance(where.get("winds", True), bool):
         raise InputError(f"{source}: winds is {where['winds']!r}; it must be true or false")
     if not isinstance(where.get("every", 1), int):
         raise InputError(f"{source}: every is {where['every']!r}; it must be a whole number")
     return Rule(changes=changes, **where)
-
-
-def _layers(text: Any, source: str) -> tuple[int | None, int | None]:
-    try:
-        first, last = (int(x) if x else None for x in text.split(":"))
-    except (AttributeError, ValueError):
-        raise InputError(f"{source}: layers is {text!r}; give 'a:b', as '0:3' for the first three") from None
-    return first, last
 
 
 def _from_plain(name: str, value: Any, source: str) -> Any:

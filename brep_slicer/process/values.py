@@ -114,6 +114,20 @@ def choice(name: str, value: Any, kind: type[enum.Enum]) -> Any:
         raise InputError(f"{name} is {value!r}; it must be one of {', '.join(e.value for e in kind)}") from None
 
 
+def layer_range(name: str, value: Any) -> tuple[int | None, int | None]:
+    """The first layer and the one past the last, from a text "a:b" or from two numbers; either may be left out (None)."""
+    try:
+        first, last = (int(x) if x else None for x in value.split(":")) if isinstance(value, str) else value
+    except (TypeError, ValueError):
+        raise InputError(f"{name} is {value!r}; give 'a:b', as '0:3' for the first three") from None
+    for number in (first, last):
+        if number is not None and (whole(name, number) < 0):
+            raise InputError(f"{name} is {value!r}; layers are counted from 0")
+    if first is not None and last is not None and last <= first:
+        raise InputError(f"{name} is {value!r}, which holds no layer; give a:b with a less than b, as 0:3 for the first three")
+    return first, last
+
+
 def whole(name: str, value: Any) -> int:
     if not isinstance(value, int) or isinstance(value, bool):
         raise InputError(f"{name} is {value!r}; it must be a whole number")

@@ -13,10 +13,10 @@ import numpy as np
 
 from brep_slicer.errors import InputError, LayerError
 from brep_slicer.part import as_part
-from brep_slicer.process import check_radii
+from brep_slicer.process import check_radii, choice
 from brep_slicer.section import Certificate, CutSolid, Engine, cut_solids
 from brep_slicer.section.engines import SolidSections
-from brep_slicer.substrate.axis import Axis, find_axis
+from brep_slicer.substrate.axis import Axis, as_axis
 
 from .layer import FailedLayer, Layer
 from .overlay import difference_of_regions, union_of_regions
@@ -29,7 +29,7 @@ def slice_part(
     part: Any,
     radii: Sequence[float],
     *,
-    axis: Axis | None = None,
+    axis: Axis | str | None = None,
     engine: Engine | str = Engine.ANALYTIC,
     substrate_solids: Sequence[int] = (),
 ) -> list[Layer | FailedLayer]:
@@ -41,8 +41,8 @@ def slice_part(
         A Part, or anything that `as_part` takes.
     radii : sequence of float
         Increasing radii, mm.
-    axis : Axis, optional
-        Found by `find_axis` if not given.
+    axis : Axis or text, optional
+        As `axis_from_text` reads it; found by `find_axis` if not given.
     engine : Engine or str
         ANALYTIC (level sets of rho, exact; falls back to the other where its certificate fails) or BOOLEAN (OCCT).
     substrate_solids : sequence of int
@@ -60,14 +60,14 @@ def slice_part(
     PlanningError
         If the part has no axis, or several.
     """
+    checked, cutter = check_radii(radii), choice("engine", engine, Engine)
     part = as_part(part)
-    checked = check_radii(radii)
-    axis = find_axis(part) if axis is None else axis
+    axis = as_axis(axis, part)
     unknown = set(substrate_solids) - {s.index for s in part.solids}
     if unknown:
         raise InputError(f"{part.source}: there is no solid {min(unknown)} to be the substrate")
     solids = cut_solids(part, axis)
-    return slice_solids(solids, checked, engine=Engine(engine), substrate_solids=substrate_solids)
+    return slice_solids(solids, checked, engine=cutter, substrate_solids=substrate_solids)
 
 
 def slice_solids(

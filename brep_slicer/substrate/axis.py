@@ -139,6 +139,25 @@ def find_axis(part: Part) -> Axis:
     return candidates[0].axis
 
 
+def as_axis(axis: Axis | str | None, part: Part) -> Axis:
+    """The axis given, as such or as text; without one, the part's own.
+
+    Raises
+    ------
+    InputError
+        If it is neither.
+    PlanningError
+        If none is given and the part has no axis, or several.
+    """
+    if axis is None:
+        return find_axis(part)
+    if isinstance(axis, str):
+        return axis_from_text(axis)
+    if not isinstance(axis, Axis):
+        raise InputError(f"axis is {axis!r}; give an Axis (find_axis, axis_from_line) or a text as --axis takes it")
+    return axis
+
+
 def describe_candidate(candidate: AxisCandidate) -> str:
     """A candidate as text that --axis takes, with its share."""
     origin, direction = (",".join(f"{x:.6g}" for x in v) for v in (candidate.axis.origin, candidate.axis.direction))

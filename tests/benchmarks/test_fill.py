@@ -1,4 +1,4 @@
-"""Filling against shapely's own intersections, travel against a solver: pytest tests/benchmarks -m benchmark -s."""
+"""Filling against shapely's own intersections, travel against a solver: pytest tests/benchmarks -m benchmark -n 0 -s."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the time of a plan goes, and how the engines compare: pytest tests/benchmarks -m benchmark -s."""
+"""Where the time of a plan goes, and how the engines compare: pytest tests/benchmarks -m benchmark -n 0 -s."""
 
 from __future__ import annotations
 

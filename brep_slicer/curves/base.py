@@ -102,7 +102,7 @@ class Curve(abc.ABC):
         """Increasing parameters from 0 to 1 whose polyline lies within `chord` (mm) of the curve, shape (n,)."""
         s = np.linspace(0.0, 1.0, 9)
         for _ in range(MAXIMUM_HALVINGS):
-            coarse = _far_spans(self, s, chord)
+            coarse = far_spans(self, s[:-1], s[1:], chord)
             if not coarse.any():
                 break
             s = np.sort(np.concatenate([s, 0.5 * (s[:-1] + s[1:])[coarse]]))
@@ -132,14 +132,14 @@ def distance_to_curve(curve: Curve, points: Array) -> Array:
     return np.hypot(*(points - curve.points(t)).T)
 
 
-def _far_spans(curve: Curve, s: Array, chord: float) -> Array:
-    """Which spans of the polyline at `s` lie farther than `chord` from the curve at a quarter, half or three quarters."""
-    p = curve.points(s)
-    along = np.diff(p, axis=0)
+def far_spans(curve: Curve, a: Array, b: Array, chord: float) -> Array:
+    """Which chords from parameters `a` to `b` (n,) lie farther than `chord` from the curve, at three places of each."""
+    p, ends = curve.points(a), curve.points(b)
+    along = ends - p
     norm = np.hypot(along[:, 0], along[:, 1])
-    far = np.zeros(len(s) - 1, dtype=bool)
+    far = np.zeros(len(a), dtype=bool)
     for fraction in (0.25, 0.5, 0.75):
-        q = curve.points(s[:-1] + fraction * np.diff(s)) - p[:-1]
+        q = curve.points(a + fraction * (b - a)) - p
         cross = np.abs(along[:, 0] * q[:, 1] - along[:, 1] * q[:, 0])
         # a degenerate span (both ends alike) is judged by the distance to its end
         off = np.where(norm > 0.0, cross / np.where(norm > 0.0, norm, 1.0), np.hypot(q[:, 0], q[:, 1]))

@@ -1,19 +1,21 @@
 """A region's outline as short segments: how far points lie from it, which of its curves is nearest, what lies inside.
 
-In: a region, and how fine each of its curves is to be drawn. Out: distances, places on curves, inside or not.
+In: a region. Out: distances, places on curves, inside or not.
 
-Everything is periodic: a point and its copies whole turns away are one point.
+Everything is periodic: a point and its copies whole turns away are one point. An outline is drawn coarsely first, and finer
+where it lies near to what it is compared with, as often as it takes: far from there a coarse one tells the same.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import itertools
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from brep_slicer.curves import Curve, Loop
+from brep_slicer.curves.base import far_spans
 from brep_slicer.maps import Array
 
 from .region import Region
@@ -21,6 +23,10 @@ from .region import Region
 # No segment is longer than this share of a turn, and distances are told up to as much: one copy on either side of the
 # window is then enough.
 REACH = 0.125
+# How far a coarse polyline may lie from its curve, mm, and by how much it is refined at a time; a span is refined if it lies
+# within so many times its own distance from its curve of what it is compared with (both may be off by one).
+COARSE, REFINED, NEAR = 1e-3, 100.0, 4.0
+MAXIMUM_HALVINGS = 40
 # Points that are tested against all segments at once: what bounds the memory.
 AT_ONCE = 64
 
@@ -35,14 +41,27 @@ class Nearest(NamedTuple):
 
 
 class Outline:
-    """The loops of a `region`, each curve drawn to within `chord(number)` mm; curves are numbered loop by loop."""
+    """The loops of a `region`, each curve drawn at its `parameters`; curves are numbered loop by loop."""
 
-    def __init__(self, region: Region, chord: Callable[[int], float]) -> None:
-        self.period = region.period
+    def __init__(self, region: Region, parameters: list[Array] | None = None) -> None:
+        self.region, self.period = region, region.period
         self.loops: list[Loop] = list(region.loops)
         self.curves: list[Curve] = [curve for loop in self.loops for curve in loop.curves]
-        self._parameters = [spaced_parameters(c, chord(i), self.period) for i, c in enumerate(self.curves)]
+        if parameters is None:
+            parameters = [spaced_parameters(curve, COARSE, self.period) for curve in self.curves]
+        self._parameters = parameters
         self._points = [c.points(s) for c, s in zip(self.curves, self._parameters, strict=True)]
+
+    def spans(self) -> Array:
+        """Each segment of each curve from point to point, (n, 2, 2), mm."""
+        return np.concatenate([np.stack([p[:-1], p[1:]], axis=1) for p in self._points])
+
+    def refined(self, flags: Array, chord: float) -> Self:
+        """The outline drawn to within `chord` mm on the spans with a flag, (n,) of bool."""
+        counts = np.cumsum([len(s) - 1 for s in self._parameters])[:-1]
+        near = np.split(flags, counts)
+        parameters = [_halved(c, s, f, chord) for c, s, f in zip(self.curves, self._parameters, near, strict=True)]
+        return type(self)(self.region, parameters)
 
     @cached_property
     def ends(self) -> Array:
@@ -120,6 +139,57 @@ def spaced_parameters(curve: Curve, chord: float, period: float) -> Array:
     if pieces.max() == 1:
         return s
     return np.concatenate([*(np.linspace(s[i], s[i + 1], k + 1)[:-1] for i, k in enumerate(pieces)), s[-1:]])
+
+
+def _halved(curve: Curve, s: Array, flags: Array, chord: float) -> Array:
+    """Parameters with more of them on the spans with a flag, so that the polyline there lies within `chord` of the curve."""
+    a, b = s[:-1][flags], s[1:][flags]
+    found = [s]
+    for _ in range(MAXIMUM_HALVINGS):
+        far = far_spans(curve, a, b, chord)
+        if not far.any():
+            break
+        middle = 0.5 * (a + b)[far]
+        found.append(middle)
+        a, b = np.concatenate([a[far], middle]), np.concatenate([middle, b[far]])
+    return np.sort(np.concatenate(found))
+
+
+def _levels(fine: float) -> list[tuple[float, float]]:
+    """From how far a polyline lies from its curve to how far it is to lie, step by step down to `fine`."""
+    chords = [COARSE]
+    while chords[-1] > fine:
+        chords.append(max(chords[-1] / REFINED, fine))
+    return list(itertools.pairwise(chords))
+
+
+def drawn_near_each_other(a: Region, b: Region, fine: float) -> tuple[Outline, Outline]:
+    """The outlines of two regions, within `fine` mm of their curves where they come near to each other."""
+    one, other = Outline(a), Outline(b)
+    for before, chord in _levels(fine):
+        near = (other.distances_from(one.spans()) <= NEAR * before, one.distances_from(other.spans()) <= NEAR * before)
+        one, other = one.refined(near[0], chord), other.refined(near[1], chord)
+    return one, other
+
+
+def drawn_near_points(region: Region, points: Array, fine: float) -> Outline:
+    """The outline of a region, within `fine` mm of its curves where they come near to `points` (n, 2)."""
+    import shapely
+
+    out = Outline(region)
+    if not out.curves:
+        return out
+    at = np.array(points, dtype=float)
+    at[:, 0] -= np.floor(at[:, 0] / out.period + 0.5) * out.period
+    moves = np.array([[-out.period, 0.0], [0.0, 0.0], [out.period, 0.0]])
+    tree = shapely.STRtree(shapely.points((at + moves[:, None]).reshape(-1, 2)))
+    for before, chord in _levels(fine):
+        spans = out.spans()
+        middle = 0.5 * (spans[:, 0, 0] + spans[:, 1, 0])
+        spans[..., 0] -= (np.floor(middle / out.period + 0.5) * out.period)[:, None]
+        found = tree.query(shapely.linestrings(spans), predicate="dwithin", distance=NEAR * before)[0]
+        out = out.refined(np.isin(np.arange(len(spans)), found), chord)
+    return out
 
 
 def _crossings_below(chain: Array, points: Array, period: float) -> Array:

@@ -24,7 +24,7 @@ from brep_slicer.maps import Array
 from brep_slicer.section.chain import Arc, loops_from_arcs
 
 from .contacts import contacts
-from .outline import Outline
+from .outline import Outline, drawn_near_each_other, drawn_near_points
 from .region import Region, region_from_loops
 
 # Two outlines that come as near as this touch, mm: ten times what edges of good files gape. Coarser ones where that fails.
@@ -34,8 +34,8 @@ NODE = 3.0
 # A stretch within a touch of the other outline whose direction takes it this many touches away is where the two cross or part,
 # if it is no longer than this, mm: lines that cross at 1e-4 rad.
 LEAVES, CROSSING = 0.3, 1e-2
-# Polylines near the other outline are drawn to this share of a touch; the others as coarse as this, mm.
-FINE, COARSE = 0.1, 1e-3
+# Polylines near the other outline are drawn to this share of a touch.
+FINE = 0.1
 # Where the result is asked on which side its metal lies, in touches from the outline.
 SIDE = 4.0
 
@@ -112,14 +112,9 @@ def _near(a: Region, b: Region) -> tuple[Array, Array]:
     return meets.any(axis=1), meets.any(axis=0)
 
 
-def _drawn(region: Region, near: Array, fine: float) -> Outline:
-    """An outline, fine where it is near to the other."""
-    return Outline(region, lambda i: fine if near[i] else COARSE)
-
-
 def _nested(a: Region, b: Region) -> bool:
     """Whether outlines that do not meet lie inside of one another."""
-    outlines = [Outline(r, lambda _: COARSE) for r in (a, b)]
+    outlines = [Outline(r) for r in (a, b)]
     starts = [np.array([loop.curves[0].start for loop in r.loops]) for r in (a, b)]
     return bool(outlines[0].contains(starts[1]).any() or outlines[1].contains(starts[0]).any())
 
@@ -130,7 +125,7 @@ class _Overlay:
     def __init__(self, a: Region, b: Region, near: tuple[Array, Array], touch: float) -> None:
         self.radius, self.period, self.touch = a.radius, a.period, touch
         self.near = near
-        self.outlines = tuple(_drawn(*pair, FINE * touch) for pair in zip((a, b), near, strict=True))
+        self.regions, self.outlines = (a, b), drawn_near_each_other(a, b, FINE * touch)
         nodes = itertools.count()
         self.cuts = self._identified([cut for first in (True, False) for cut in self._cut(first, nodes)])
 
@@ -282,11 +277,11 @@ class _Overlay:
         if not probes:
             return
         points = np.array(probes)
-        a, b = self.outlines
+        a, b, result = (drawn_near_points(r, points, FINE * self.touch) for r in (*self.regions, region))
         free = (a.nearest(points).distances > self.touch) & (b.nearest(points).distances > self.touch)
         in_a, in_b = a.contains(points[free]), b.contains(points[free])
         wanted = in_a | in_b if union else in_a & ~in_b
-        has = Outline(region, lambda _: FINE * self.touch).contains(points[free]) if region.loops else np.zeros_like(wanted)
+        has = result.contains(points[free])
         if np.any(has != wanted):
             raise LayerError(f"metal at {int(np.sum(has != wanted))} of {len(wanted)} probed places is wrong")
 

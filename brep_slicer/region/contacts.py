@@ -3,8 +3,8 @@
 In: a curve, an outline, how near counts as touching. Out: stretches of the curve's parameter.
 
 A span of the curve lies within a *deviation* of the polyline through five of its points. If that polyline is farther from the
-outline than a touch and the deviation together, the span does not touch it; what this does not rule out is halved, and the
-deviation is quartered.
+outline than a touch and the deviation together, the span does not touch it, nor does it if the five points, measured to the
+true curve that runs beside them on one side, are; what this does not rule out is halved, and the deviation is quartered.
 """
 
 from __future__ import annotations
@@ -19,6 +19,8 @@ from .outline import Outline, spaced_parameters
 # The first spans of a curve: their chord's polyline within so many touches; through five points it is 16 times nearer, of which
 # half is believed.
 FIRST_CHORD, NEARER = 200.0, 8.0
+# Between the five points the curve and the one beside it may come nearer to each other by both their deviations.
+BESIDE = 2.0
 # Where both ends, and the points between them at these shares, lie on the outline, the whole span does: it has no corner (the
 # other outline's ends are among the marks).
 SHARES = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
@@ -26,8 +28,11 @@ SHARES = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 SHORTEST, MAXIMUM_HALVINGS = 0.25, 60
 
 
-def contacts(curve: Curve, outline: Outline, marks: Array, touch: float) -> list[tuple[float, float]]:
-    """The stretches (s0, s1), in order, on which `curve` lies within `touch` mm of `outline`; it is cut at `marks` (n,)."""
+def contacts(curve: Curve, outline: Outline, marks: Array, touch: float, chord: float) -> list[tuple[float, float]]:
+    """The stretches (s0, s1), in order, on which `curve` lies within `touch` mm of `outline`; it is cut at `marks` (n,).
+
+    The outline is drawn to within `chord` mm of its curves.
+    """
     s = np.union1d(spaced_parameters(curve, FIRST_CHORD * touch, outline.period), np.clip(marks, 0.0, 1.0))
     a, b = s[:-1], s[1:]
     near: list[Array] = []
@@ -36,9 +41,13 @@ def contacts(curve: Curve, outline: Outline, marks: Array, touch: float) -> list
             break
         points = curve.points((a[:, None] + SHARES * (b - a)[:, None]).ravel()).reshape(-1, len(SHARES), 2)
         deviation = FIRST_CHORD * touch / NEARER / 4.0**level
-        open_ = outline.distances_from(points) <= touch + deviation
-        a, b, points = a[open_], b[open_], points[open_]
-        gaps = outline.nearest(points.reshape(-1, 2)).distances.reshape(-1, len(SHARES))
+        maybe = outline.distances_from(points) <= touch + deviation + chord
+        a, b, points = a[maybe], b[maybe], points[maybe]
+        at = outline.nearest(points.reshape(-1, 2))
+        gaps, which, sides = (column.reshape(-1, len(SHARES)) for column in (at.distances, at.curves, at.sides))
+        beside = (which == which[:, :1]).all(axis=1) & (np.abs(sides.sum(axis=1)) == len(SHARES))
+        maybe = (gaps.min(axis=1, initial=np.inf) <= touch + BESIDE * deviation) | ~beside
+        a, b, points, gaps = a[maybe], b[maybe], points[maybe], gaps[maybe]
         short = np.hypot(*np.moveaxis(np.diff(points, axis=1), -1, 0)).sum(axis=1) < SHORTEST * touch
         within = np.where(short, gaps[:, 2] <= touch, (gaps <= touch).all(axis=1))
         near.append(np.stack([a, b], axis=-1)[within])

@@ -27,17 +27,20 @@ REACH = 0.125
 # within so many times its own distance from its curve of what it is compared with (both may be off by one).
 COARSE, REFINED, NEAR = 1e-3, 100.0, 4.0
 MAXIMUM_HALVINGS = 40
+# Steps of Gauss-Newton from the nearest segment to the nearest place on its curve.
+PROJECTIONS = 3
 # Points that are tested against all segments at once: what bounds the memory.
 AT_ONCE = 64
 
 
 class Nearest(NamedTuple):
-    """The places of an outline that are nearest to some points: distances (mm), curve numbers, parameters, directions."""
+    """The places of an outline that are nearest to some points, and on which side of it these lie (+1 left, -1 right)."""
 
     distances: Array
     curves: Array
     parameters: Array
     directions: Array
+    sides: Array
 
 
 class Outline:
@@ -69,8 +72,11 @@ class Outline:
         return np.array([p[0] for p in self._points] + [p[-1] for p in self._points]).reshape(-1, 2)
 
     @cached_property
-    def _segments(self) -> tuple[Array, Array, Array, Array]:
-        """From, to (n, 2), curve numbers (n,), parameters at both ends (n, 2); in one turn round 0, with copies beside it."""
+    def _segments(self) -> tuple[Array, Array, Array, Array, Array]:
+        """From, to (n, 2), curve numbers (n,), parameters at both ends (n, 2), and by how much they are moved along kappa (n,).
+
+        They lie in one turn round 0, with copies beside it.
+        """
         a = np.concatenate([p[:-1] for p in self._points])
         b = np.concatenate([p[1:] for p in self._points])
         number = np.repeat(np.arange(len(self.curves)), [len(s) - 1 for s in self._parameters])
@@ -81,31 +87,42 @@ class Outline:
         parts = []
         for copy in (-1, 0, 1):
             use = np.abs(place + copy * self.period) < (0.5 + 2.0 * REACH) * self.period
-            move = np.stack([(copy - turns[use]) * self.period, np.zeros(int(use.sum()))], axis=-1)
-            parts.append((a[use] + move, b[use] + move, number[use], s[use]))
-        a, b, number, s = (np.concatenate(columns) for columns in zip(*parts, strict=True))
-        return a, b, number, s
+            moved = (copy - turns[use]) * self.period
+            move = np.stack([moved, np.zeros_like(moved)], axis=-1)
+            parts.append((a[use] + move, b[use] + move, number[use], s[use], moved))
+        a, b, number, s, moved = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+        return a, b, number, s, moved
 
     @cached_property
     def _tree(self):
         import shapely
 
-        a, b, _, _ = self._segments
+        a, b, *_ = self._segments
         return shapely.STRtree(shapely.linestrings(np.stack([a, b], axis=1)))
 
     def nearest(self, points: Array) -> Nearest:
-        """The nearest place of the outline to each of `points` (n, 2); distances beyond REACH of a turn are cut to that."""
+        """The nearest place on the outline's curves to each of `points` (n, 2); distances are cut to REACH of a turn."""
         import shapely
 
         q = np.array(points, dtype=float).reshape(-1, 2)
         q[:, 0] -= np.floor(q[:, 0] / self.period + 0.5) * self.period
-        a, b, number, s = self._segments
-        (_, found), distance = self._tree.query_nearest(shapely.points(q), return_distance=True, all_matches=False)
+        a, b, number, s, moved = self._segments
+        (_, found), _ = self._tree.query_nearest(shapely.points(q), return_distance=True, all_matches=False)
         along = b[found] - a[found]
         square = np.maximum(np.einsum("ij,ij->i", along, along), 1e-300)
         share = np.clip(np.einsum("ij,ij->i", q - a[found], along) / square, 0.0, 1.0)
         at = s[found, 0] + share * (s[found, 1] - s[found, 0])
-        return Nearest(np.minimum(distance, REACH * self.period), number[found], at, along / np.sqrt(square)[:, None])
+        q[:, 0] -= moved[found]
+        directions, offsets = along / np.sqrt(square)[:, None], np.empty((len(q), 2))
+        for i in np.unique(number[found]):
+            rows = np.flatnonzero(number[found] == i)
+            at[rows], offsets[rows], tangents = _projected(self.curves[i], at[rows], q[rows])
+            size = np.hypot(*tangents.T)
+            clear = np.isfinite(size) & (size > 0.0)
+            directions[rows[clear]] = tangents[clear] / size[clear, None]
+        sides = np.sign(directions[:, 0] * offsets[:, 1] - directions[:, 1] * offsets[:, 0])
+        distances = np.minimum(np.hypot(*offsets.T), REACH * self.period)
+        return Nearest(distances, number[found], at, directions, sides)
 
     def distances_from(self, polylines: Array) -> Array:
         """Distance (n,) of polylines (n, k, 2), each no wider than REACH of a turn, from the outline; cut to REACH as well."""
@@ -139,6 +156,20 @@ def spaced_parameters(curve: Curve, chord: float, period: float) -> Array:
     if pieces.max() == 1:
         return s
     return np.concatenate([*(np.linspace(s[i], s[i + 1], k + 1)[:-1] for i, k in enumerate(pieces)), s[-1:]])
+
+
+def _projected(curve: Curve, s: Array, points: Array) -> tuple[Array, Array, Array]:
+    """From parameters near to them the places on a curve nearest to `points`: parameters, offsets, derivatives."""
+    p, d = curve.points(s), curve.derivatives(s)
+    best = np.hypot(*(points - p).T)
+    for _ in range(PROJECTIONS):
+        t = np.clip(s + np.einsum("ij,ij->i", points - p, d) / np.maximum(np.einsum("ij,ij->i", d, d), 1e-300), 0.0, 1.0)
+        q, e = curve.points(t), curve.derivatives(t)
+        distance = np.hypot(*(points - q).T)
+        better = distance < best
+        s, best = np.where(better, t, s), np.where(better, distance, best)
+        p, d = np.where(better[:, None], q, p), np.where(better[:, None], e, d)
+    return s, points - p, d
 
 
 def _halved(curve: Curve, s: Array, flags: Array, chord: float) -> Array:

@@ -32,8 +32,8 @@ TOUCHES = (1e-6, 1e-5, 1e-4)
 # Ends this many touches from each other are one node; a piece of outline no longer than that between them is none.
 NODE = 3.0
 # A stretch within a touch of the other outline whose direction takes it this many touches away is where the two cross or part,
-# if it is no longer than this, mm: lines that cross at 1e-4 rad.
-LEAVES, CROSSING = 0.3, 1e-2
+# if it is no longer than so many: lines that cross at 2e-4 rad.
+LEAVES, CROSSING = 0.3, 1e4
 # Polylines near the other outline are drawn to this share of a touch.
 FINE = 0.1
 # Where the result is asked on which side its metal lies, in touches from the outline.
@@ -155,7 +155,7 @@ class _Overlay:
         for loop in own.loops:
             joints = [next(nodes) for _ in loop.curves]
             for i, curve in enumerate(loop.curves):
-                runs = contacts(curve, other, marks[number], self.touch) if flags[number] else []
+                runs = contacts(curve, other, marks[number], self.touch, FINE * self.touch) if flags[number] else []
                 places = _places(runs, marks[number])
                 names = [joints[i], *(next(nodes) for _ in places[1:-1]), joints[(i + 1) % len(joints)]]
                 for span, (start, end) in zip(itertools.pairwise(places), itertools.pairwise(names), strict=True):
@@ -190,7 +190,7 @@ class _Overlay:
     def _is_crossing(self, cut: _Cut) -> bool:
         """Whether a piece within a touch of the other outline runs away from it, not along it."""
         length = self._length(cut)
-        if length > CROSSING:
+        if length > CROSSING * self.touch:
             return False
         s = cut.span[0] + np.array([0.02, 0.5, 0.98]) * (cut.span[1] - cut.span[0])
         own = cut.parent.derivatives(s)

@@ -10,7 +10,7 @@ import brep_slicer as bs
 from brep_slicer.errors import LayerError
 from brep_slicer.section import cut_solids
 from brep_slicer.section.analytic import sections_by_analysis
-from brep_slicer.section.boolean import COINCIDENCE_STEP, section_by_boolean
+from brep_slicer.section.boolean import COINCIDENCE_STEP, clear_radius, section_by_boolean
 from brep_slicer.substrate.axis import axis_from_line
 from brep_slicer.testing import area_by_flux
 
@@ -87,3 +87,15 @@ def test_a_step_outwards_says_how_far_it_moves_the_outline(offset):
     assert certificate.coincident
     assert sum(loop.signed_area() for loop in loops) == pytest.approx(10.0 * (2.0 * np.pi * radius - 2.0 * moved), rel=1e-6)
     assert 0.999 * moved < certificate.residual < 1.1 * moved
+
+
+def test_the_boolean_steps_aside_within_its_gap_between_critical_radii():
+    critical, step = np.array([10.0, 10.00003, 12.0, 12.000003]), COINCIDENCE_STEP
+    assert clear_radius(11.0, critical) == 11.0
+    assert clear_radius(10.0, critical) == pytest.approx(10.0 + step, abs=1e-12)
+    assert clear_radius(10.00002999, critical) == pytest.approx(
+        10.00002, abs=1e-12
+    )  # inwards: beyond it the section is another
+    assert clear_radius(12.0, critical) == pytest.approx(12.000013, abs=1e-12)  # no room in between
+    with pytest.raises(LayerError, match="too close together"):
+        clear_radius(5.0, np.linspace(4.999, 5.001, 2001))

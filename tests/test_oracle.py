@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import build123d as bd
 import numpy as np
 import pytest
 
@@ -9,6 +10,7 @@ import brep_slicer as bs
 from brep_slicer.errors import LayerError
 from brep_slicer.section import cut_solids
 from brep_slicer.section.analytic import sections_by_analysis
+from brep_slicer.substrate.axis import axis_from_line
 from brep_slicer.testing import area_by_flux
 
 Z = bs.axis_from_text("Z")
@@ -63,3 +65,12 @@ def test_real_parts(name, relative, real_step):
     part = bs.read_step(real_step(name))
     (solid,) = cut_solids(part, bs.find_axis(part))
     compare(solid, relative, 3)
+
+
+@pytest.mark.parametrize("length", [30.0, 100.0, 300.0])
+def test_the_surface_integral_on_slender_faces(length):
+    # a bar square to the axis: below half its width the section is a whole band, and 1 / rho peaks in the middle of long faces
+    (solid,) = cut_solids(bs.as_part(bd.Box(length, 8.0, 8.0)), axis_from_line((0, 0, 0), (0, 0, 1)))
+    for radius, truth in ((3.9, 2.0 * np.pi * 3.9 * 8.0), (10.0, 8.0 * 10.0 * 4.0 * np.arcsin(0.4))):
+        for panels in (6, 9, 12):
+            assert area_by_flux(solid.brep, radius, panels=panels) == pytest.approx(truth, rel=1e-4)

@@ -23,8 +23,10 @@ from .chain import Arc, loops_from_arcs
 from .stepped import moved_by_step
 from .unroll import curve_on_cylinder
 
-# OCCT's booleans are wrong within about 1e-6 mm of a coincident face (DESIGN section 4): stay ten times farther away.
+# OCCT's booleans are wrong within about 1e-6 mm of a coincident face: stay ten times farther away, five at least.
 COINCIDENCE_STEP = 1e-5
+# A critical radius this little above a radius is the same; and how far outwards a gap between critical radii is looked for, mm.
+COINCIDENT, FARTHEST = 1e-9, 5e-5
 # What OCCT aims at for its intersection curves, mm; an edge whose tolerance says more is believed.
 INTERSECTION_RESIDUAL = 1e-7
 # Where the cylinder face is cut open (rad); any angle will do that no edge of the part follows, and OCCT may fail at one.
@@ -43,7 +45,7 @@ def section_by_boolean(solid: Any, radius: float, *, critical: Array) -> tuple[l
     radius : float
         Radius of the cut, mm.
     critical : ndarray, shape (n,)
-        The solid's critical radii, mm; near one of them the cut steps outwards.
+        The solid's critical radii, mm; near one of them the cut steps aside, and says how far that moves the outline.
 
     Raises
     ------
@@ -55,9 +57,12 @@ def section_by_boolean(solid: Any, radius: float, *, critical: Array) -> tuple[l
     loops = [loop.on_radius(radius) for loop in loops]
     if used == radius:
         return loops, certificate
-    farther = clear_radius(2.0 * used - radius, critical)
-    far = [loop.on_radius(radius) for loop in _cut(solid, farther)[0]]
-    moved = moved_by_step(loops, far, (used - radius, farther - radius))
+    if not loops and np.any((critical > radius + COINCIDENT) & (critical < used)):
+        raise LayerError(f"what the section at radius {radius:.9g} mm holds ends before the next radius that OCCT can cut at")
+    farther = 2.0 * used - radius
+    clear = not np.any((critical >= min(used, farther)) & (critical <= max(used, farther)))
+    far = [loop.on_radius(radius) for loop in _cut(solid, farther)[0]] if clear else []
+    moved = moved_by_step(loops, far, (abs(used - radius), abs(farther - radius)))
     return loops, replace(certificate, residual=max(certificate.residual, moved), coincident=True)
 
 
@@ -106,8 +111,23 @@ def _cut_once(solid: Any, used: float, seam: float) -> tuple[list[Loop], Certifi
 
 
 def clear_radius(radius: float, critical: Array) -> float:
-    """The radius to cut at, stepped outwards until no critical radius is near."""
-    used = radius
-    while np.any(np.abs(np.asarray(critical) - used) < 0.5 * COINCIDENCE_STEP):
-        used += COINCIDENCE_STEP
-    return used
+    """The radius to cut at: the nearest in the same gap between critical radii that is far enough from both of its ends.
+
+    At a critical radius that is the gap outside of it. Where the gap is too narrow for OCCT, the next one outwards that is not.
+
+    Raises
+    ------
+    LayerError
+        If there is none near.
+    """
+    levels = np.unique(np.concatenate([[-np.inf], np.asarray(critical, dtype=float), [np.inf]]))
+    gap = int(np.searchsorted(levels, radius + COINCIDENT, side="right")) - 1
+    for low, high in zip(levels[gap:-1], levels[gap + 1 :], strict=True):
+        if low > radius + FARTHEST:
+            break
+        if high - low >= COINCIDENCE_STEP:
+            if low + 0.5 * COINCIDENCE_STEP <= radius <= high - 0.5 * COINCIDENCE_STEP:
+                return radius
+            margin = min(COINCIDENCE_STEP, 0.5 * (high - low))
+            return float(np.clip(radius, low + margin, high - margin))
+    raise LayerError(f"critical radii stand too close together at radius {radius:.9g} mm for OCCT's boolean")

@@ -21,6 +21,8 @@ PANEL_NODES, PANELS, PCURVE_SAMPLES = 8, 12, 1500
 # Points along a line between which rho - R is searched for sign changes.
 SEARCH = 96
 NODES_ALONG = 8
+# A stretch is no longer than this many times its smallest rho (or the first level), over the panels in u: 1 / rho peaks there.
+SLENDER, MAXIMUM_SPLITS = 12.0, 12
 
 
 def surface_nodes(face: Face, levels: tuple[float, ...] = (), *, panels: int = PANELS) -> tuple[Array, Array]:
@@ -33,6 +35,7 @@ def surface_nodes(face: Face, levels: tuple[float, ...] = (), *, panels: int = P
     for radius in levels:
         line, low, high = _split(face, u, line, low, high, radius)
     line, low, high = _at_breaks(face, line, low, high)
+    line, low, high = _stout(face, u, line, low, high, SLENDER / panels, min(levels, default=0.0))
     if not len(line):
         return np.zeros((0, 3)), np.zeros((0, 3))
     x, w = np.polynomial.legendre.leggauss(NODES_ALONG)
@@ -40,6 +43,26 @@ def surface_nodes(face: Face, levels: tuple[float, ...] = (), *, panels: int = P
     p, su, sv = face.surface.derivatives(np.stack([np.repeat(u[line], NODES_ALONG), v.ravel()], axis=1))
     share = 0.5 * (high - low)[:, None] * w * weights[line][:, None]
     return p, face.sign * share.reshape(-1, 1) * np.cross(su, sv)
+
+
+def _stout(
+    face: Face, u: Array, line: Array, low: Array, high: Array, ratio: float, least: float
+) -> tuple[Array, Array, Array]:
+    """The stretches halved until none is longer than `ratio` times the smallest rho on it (`least` at least), mm."""
+    done: list[tuple[Array, Array, Array]] = []
+    for _ in range(MAXIMUM_SPLITS):
+        v = np.stack([low, 0.5 * (low + high), high], axis=1)
+        p = face.surface.points(np.stack([np.repeat(u[line], 3), v.ravel()], axis=1)).reshape(-1, 3, 3)
+        length = np.linalg.norm(np.diff(p, axis=1), axis=2).sum(axis=1)
+        rho = np.hypot(p[..., 0], p[..., 1]).min(axis=1)
+        long = length > ratio * np.maximum(rho, least)
+        done.append((line[~long], low[~long], high[~long]))
+        line, low, middle, high = line[long], low[long], v[long, 1], high[long]
+        line, low, high = np.concatenate([line, line]), np.concatenate([low, middle]), np.concatenate([middle, high])
+        if not len(line):
+            break
+    done.append((line, low, high))
+    return tuple(np.concatenate(column) for column in zip(*done, strict=True))  # type: ignore[return-value]
 
 
 def surface_cells(face: Face, *, lines: int, cells: int) -> tuple[Array, Array, Array]:

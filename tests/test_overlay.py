@@ -217,3 +217,32 @@ def test_solids_that_cross_touch_and_coincide():
             assert isinstance(layer, Layer)
             assert layer.area == pytest.approx(truth(layer.radius), rel=1e-9)
             assert len(layer.region.pieces) == 1
+
+
+@pytest.mark.parametrize("shift", [1e-5, 1e-4, 1e-3, 1e-2, 0.2])
+@pytest.mark.parametrize("way", [(1.0, 0.0), (0.0, 1.0), (0.6, 0.8)])
+def test_outlines_that_cross_at_small_angles(shift, way):
+    # a pin beside its own hole: the two outlines cross at about shift / 4 rad
+    a, b = pin(0.0, 0.0, 4.0), pin(shift * way[0], shift * way[1], 4.0)
+    chord = 1e-7
+    first, second = (r.to_shapely(chord=chord) for r in (a, b))
+    within = chord * (a.length + b.length) + 1e-7 * a.length
+    assert union_of_regions(R, [a, b]).area == pytest.approx(first.union(second).area, abs=within)
+    assert difference_of_regions(a, b).area == pytest.approx(first.difference(second).area, abs=within)
+
+
+@pytest.mark.parametrize("turned", [1e-6, 1e-5, 1e-4, 1e-3, 1e-1])
+def test_bands_along_a_wave_that_is_turned(turned):
+    def band(low, high, turn):
+        waves = [
+            SinusoidCurve(coefficients=np.array([v, w * np.cos(turn), w * np.sin(turn)]), radius=R, range=ends)
+            for v, w, ends in ((*low, (0.0, TURN)), (*high, (TURN, 0.0)))
+        ]
+        return region_from_loops(R, [Loop(curves=(c,), radius=R, winding=s) for c, s in zip(waves, (1, -1), strict=True)])
+
+    a, b = band((0.0, 0.0), (10.0, 4.0), 0.0), band((10.0, 4.0), (20.0, 0.0), turned)
+    # they overlap by |4 cos x - 4 cos(x - turned)| over half a turn, and gape by as much over the other half
+    lens = 2.0 * R * 8.0 * np.sin(0.5 * turned)
+    both = union_of_regions(R, [a, b])
+    assert both.area == pytest.approx(20.0 * TURN - lens, abs=1e-6 * TURN if turned < 1e-6 else 4e-6 * TURN)
+    assert difference_of_regions(a, b).area == pytest.approx(10.0 * TURN - lens, abs=4e-6 * TURN)

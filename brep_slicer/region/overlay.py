@@ -27,8 +27,8 @@ from .contacts import contacts
 from .outline import Outline, drawn_near_each_other, drawn_near_points
 from .region import Region, region_from_loops
 
-# Two outlines that come as near as this touch, mm: ten times what edges of good files gape. Coarser ones where that fails.
-TOUCHES = (1e-6, 1e-5, 1e-4)
+# Two outlines that come as near as this touch, mm: ten times what edges of good files gape. A coarser one where that fails.
+TOUCHES = (1e-6, 1e-5)
 # Ends this many touches from each other are one node; a piece of outline no longer than that between them is none.
 NODE = 3.0
 # A stretch within a touch of the other outline whose direction takes it this many touches away is where the two cross or part,
@@ -88,17 +88,18 @@ class _Cut:
 
 def _overlay(a: Region, b: Region, *, union: bool) -> Region:
     near = _near(a, b)
-    if not any(flags.any() for flags in near):
-        apart = Region(radius=a.radius, pieces=a.pieces + b.pieces) if union else a
-        if not _nested(a, b):
-            return apart
-    reason = ""
+    before = max(a.touch, b.touch)
+    if not any(flags.any() for flags in near) and not _nested(a, b):
+        return Region(radius=a.radius, pieces=a.pieces + b.pieces if union else a.pieces, touch=before)
+    reasons = []
     for touch in TOUCHES:
         try:
-            return _Overlay(a, b, near, touch).result(union=union)
+            return replace(_Overlay(a, b, near, touch).result(union=union), touch=max(before, touch))
         except LayerError as error:
-            reason = reason or str(error)
-    raise LayerError(f"the sections of two solids at radius {a.radius:g} mm overlap in a way that cannot be resolved: {reason}")
+            reasons.append(f"{error} (touch {touch:g} mm)")
+    raise LayerError(
+        f"the sections of two solids at radius {a.radius:g} mm overlap in a way that cannot be resolved: {'; '.join(reasons)}"
+    )
 
 
 def _near(a: Region, b: Region) -> tuple[Array, Array]:

@@ -29,10 +29,14 @@ NESTING_SHARE = 1e-4
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Region:
-    """The unrolled section of one layer on the cylinder of `radius` (mm); empty without `pieces`."""
+    """The unrolled section of one layer on the cylinder of `radius` (mm); empty without `pieces`.
+
+    `touch` is how near two outlines had to come to be joined (mm), 0 where none were held against each other.
+    """
 
     radius: float
     pieces: tuple[Piece, ...] = ()
+    touch: float = 0.0
 
     @property
     def period(self) -> float:
@@ -68,7 +72,7 @@ class Region:
         """The same angles drawn on another cylinder: kappa is rescaled by radius / self.radius."""
         if radius == self.radius:
             return self
-        return Region(radius=radius, pieces=tuple(piece.on_radius(radius) for piece in self.pieces))
+        return Region(radius=radius, pieces=tuple(piece.on_radius(radius) for piece in self.pieces), touch=self.touch)
 
     def to_shapely(self, *, chord: float = 0.01, seam: float | None = None) -> MultiPolygon:
         """Polygons in (kappa, v), mm, sampled in the plane to `chord` (mm), one a piece.

@@ -129,9 +129,14 @@ def _joined(index: int, radius: float, sections: dict[int, tuple[Region, Certifi
     for other in standing:
         region = difference_of_regions(region, other)
     certificate = _merged([c for _, c in sections.values()])
-    if len(sections) > 1:
+    if region.touch > 0.0:
         jog = max((loop.jog() for loop in region.loops), default=0.0)
-        certificate = replace(certificate, jog=max(certificate.jog, jog))
+        certificate = replace(
+            certificate,
+            residual=max(certificate.residual, region.touch),
+            jog=max(certificate.jog, jog),
+            checks={**certificate.checks, "solids_joined_within_mm": region.touch},
+        )
     return Layer(
         index=index,
         radius=radius,

@@ -105,7 +105,7 @@ def _face(index: int, face: Any, maps: Any, errors: list[float]) -> Face:
         wires.Next()
     return Face(
         index=index,
-        surface=surface_from_adaptor(adaptor, errors),
+        surface=surface_from_adaptor(adaptor, (u0, u1, v0, v1), errors),
         sign=-1 if face.Orientation() == TopAbs_REVERSED else 1,
         loops=tuple(loop for loop in loops if loop),
         box=np.array([[u0, v0], [u1, v1]]),

@@ -78,7 +78,7 @@ def summary_of_sections(plan: Plan) -> str:
     residual = max((layer.certificate.residual for layer in whole), default=0.0)
     jog = max((layer.certificate.jog for layer in whole), default=0.0)
     failed = f", {len(plan.failed)} failed" if plan.failed else ""
-    return f"{counts or 'none'}{failed}; largest residual {residual:.1e} mm, largest jog of the part's own edges {jog:.1e} mm"
+    return f"{counts or 'none'}{failed}; largest residual {residual:.1e} mm, largest jog between edges {jog:.1e} mm"
 
 
 def powder_mass(plan: Plan, seconds: float) -> float | None:

@@ -183,7 +183,11 @@ class _Overlay:
         low, high = at[:, 1].min(), at[:, 1].max()
         at[:, 0] = np.mod(at[:, 0], self.period) % self.period
         tree = cKDTree(at - [0.0, low], boxsize=[self.period, 2.0 * (high - low) + 1.0])
-        pairs = [(names[i], names[j]) for i, j in tree.query_pairs(NODE * self.touch)]
+        met = {node for cut in near for node in (cut.start, cut.end)}
+        close = [(names[i], names[j]) for i, j in tree.query_pairs(NODE * self.touch)]
+        # ends that no piece along the other outline has are one only where an outline touches itself
+        same = {(names[i], names[j]) for i, j in tree.query_pairs(FINE * self.touch)}
+        pairs = [pair for pair in close if met.issuperset(pair) or pair in same]
         group = _groups(names, pairs + list(gone.values()))
         left = [replace(c, start=group.get(c.start, c.start), end=group.get(c.end, c.end)) for c in cuts if id(c) not in gone]
         return [c for c in left if c.start != c.end or self._length(c) > 3.0 * NODE * self.touch]

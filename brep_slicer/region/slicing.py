@@ -15,7 +15,9 @@ from brep_slicer.errors import InputError, LayerError
 from brep_slicer.part import as_part
 from brep_slicer.process import check_radii, choice
 from brep_slicer.section import Certificate, CutSolid, Engine, cut_solids
+from brep_slicer.section.boolean import COINCIDENCE_STEP
 from brep_slicer.section.engines import SolidSections
+from brep_slicer.section.stepped import moved_by_step
 from brep_slicer.substrate.axis import Axis, as_axis
 
 from .layer import FailedLayer, Layer
@@ -23,6 +25,8 @@ from .overlay import difference_of_regions, union_of_regions
 from .region import Region, region_from_loops
 
 Section = tuple[Region, Certificate] | LayerError
+# Outlines of neighbours that were cut at one radius fit within this, mm; one that has been moved farther leaves a slit.
+FITS = 1e-5
 
 
 def slice_part(
@@ -83,6 +87,8 @@ def slice_solids(
     out: list[Layer | FailedLayer] = []
     for i, radius in enumerate(radii):
         sections = {s.index: ahead[s.index](i) for s in solids}
+        if len(solids) > 1 and any(_stepped(section) for section in sections.values()):
+            sections = _side_by_side(solids, radius, engine) or sections
         out.append(_layer(i, radius, sections, set(substrate_solids)))
         if progress is not None:
             progress(i)
@@ -109,6 +115,25 @@ def _sections(solid: CutSolid, radii: Sequence[float], engine: Engine) -> Callab
             return error
 
     return section
+
+
+def _stepped(section: Section) -> bool:
+    """Whether a solid was cut so far beside its radius that its outline no longer fits to those of its neighbours."""
+    return not isinstance(section, LayerError) and bool(section[1].fallback) and section[1].residual > FITS
+
+
+def _side_by_side(solids: Sequence[CutSolid], radius: float, engine: Engine) -> dict[int, Section] | None:
+    """All solids cut at one radius a step farther out, drawn on `radius`; None if one of them cannot be."""
+    out: dict[int, Section] = {}
+    for solid in solids:
+        near, far = (_sections(solid, [radius + k * COINCIDENCE_STEP], engine)(0) for k in (1.0, 2.0))
+        if isinstance(near, LayerError) or isinstance(far, LayerError) or _stepped(near):
+            return None
+        region, beyond = near[0].on_radius(radius), far[0].on_radius(radius)
+        moved = moved_by_step(region.loops, beyond.loops, (1.0, 2.0))
+        reason = near[1].fallback or "a neighbour was cut beside its radius"
+        out[solid.index] = region, replace(near[1], residual=max(near[1].residual, moved), fallback=reason, coincident=True)
+    return out
 
 
 def _layer(index: int, radius: float, sections: dict[int, Section], substrate: set[int]) -> Layer | FailedLayer:

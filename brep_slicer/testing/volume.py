@@ -8,15 +8,18 @@ integral of A(rho) d rho = V holds for every solid about any axis. It needs no g
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from brep_slicer.errors import LayerError
+from brep_slicer.errors import InputError, LayerError
 from brep_slicer.maps import Array
-from brep_slicer.section import CutSolid, Engine
+from brep_slicer.part import as_part
+from brep_slicer.section import CutSolid, Engine, cut_solids
 from brep_slicer.section.analytic import sections_by_analysis
 from brep_slicer.section.boolean import section_by_boolean
 from brep_slicer.section.oracle import volume_between
+from brep_slicer.substrate.axis import find_axis
 
 # Gauss-Legendre nodes an interval, doubled until two results agree.
 FIRST_NODES, MOST_NODES = 8, 128
@@ -45,7 +48,7 @@ class VolumeIntegral:
     in_slivers: float
 
 
-def integrate_sections(solid: CutSolid, *, engine: Engine = Engine.ANALYTIC, relative: float = 1e-10) -> VolumeIntegral:
+def integrate_sections(solid: Any, *, engine: Engine = Engine.ANALYTIC, relative: float = 1e-10) -> VolumeIntegral:
     """Integrate the section area of one solid over the radius.
 
     Broken at the critical radii, where the area has square-root branches; in between rho = a + (b - a) sin(pi x / 2)**2 takes
@@ -53,14 +56,20 @@ def integrate_sections(solid: CutSolid, *, engine: Engine = Engine.ANALYTIC, rel
 
     Parameters
     ----------
+    solid
+        A CutSolid (`cut_solids`), or a Part of one solid, or anything that `as_part` makes one of; its axis is found.
     relative : float
         Intervals are refined until the estimated error is this share of the whole.
 
     Raises
     ------
+    InputError
+        If a part has several solids.
     LayerError
         If a section can be had from neither engine.
     """
+    if not isinstance(solid, CutSolid):
+        solid = _only_solid(solid)
     breaks = np.concatenate([[solid.critical.lowest], solid.critical.radii[solid.critical.radii > solid.critical.lowest]])
     wide = np.diff(breaks) > SHORTEST
     a, b = breaks[:-1][wide], breaks[1:][wide]
@@ -92,6 +101,14 @@ def integrate_sections(solid: CutSolid, *, engine: Engine = Engine.ANALYTIC, rel
         by_boolean=fallen,
         in_slivers=in_slivers,
     )
+
+
+def _only_solid(part: Any) -> CutSolid:
+    part = as_part(part)
+    solids = cut_solids(part, find_axis(part))
+    if len(solids) != 1:
+        raise InputError(f"{part.source}: {len(solids)} solids; give one of those that cut_solids(part, axis) makes")
+    return solids[0]
 
 
 def _slivers(solid: CutSolid, a: Array, b: Array) -> tuple[Array, Array]:

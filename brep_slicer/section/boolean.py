@@ -59,11 +59,9 @@ def section_by_boolean(solid: Any, radius: float, *, critical: Array) -> tuple[l
         return loops, certificate
     if not loops and np.any((critical > radius + COINCIDENT) & (critical < used)):
         raise LayerError(f"what the section at radius {radius:.9g} mm holds ends before the next radius that OCCT can cut at")
-    # half a step farther, or half the room there is until the next critical radius
-    step = used - radius
-    room = np.abs(critical - used)[np.sign(critical - used) == np.sign(step)]
-    farther = used + 0.5 * math.copysign(min(abs(step), *room), step) if len(room) else used + 0.5 * step
-    far = [loop.on_radius(radius) for loop in _cut(solid, farther)[0]]
+    farther = 2.0 * used - radius
+    clear = not np.any((critical >= min(used, farther)) & (critical <= max(used, farther)))
+    far = [loop.on_radius(radius) for loop in _cut(solid, farther)[0]] if clear else []
     moved = moved_by_step(loops, far, (abs(used - radius), abs(farther - radius)))
     return loops, replace(certificate, residual=max(certificate.residual, moved), coincident=True)
 

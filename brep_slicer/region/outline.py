@@ -82,7 +82,7 @@ class Outline:
         number = np.repeat(np.arange(len(self.curves)), [len(s) - 1 for s in self._parameters])
         s = np.concatenate([np.stack([s[:-1], s[1:]], axis=-1) for s in self._parameters])
         middle = 0.5 * (a[:, 0] + b[:, 0])
-        turns = np.floor(middle / self.period + 0.5)
+        turns = _turns(middle, self.period)
         place = middle - turns * self.period
         parts = []
         for copy in (-1, 0, 1):
@@ -105,7 +105,7 @@ class Outline:
         import shapely
 
         q = np.array(points, dtype=float).reshape(-1, 2)
-        q[:, 0] -= np.floor(q[:, 0] / self.period + 0.5) * self.period
+        q[:, 0] -= _turns(q[:, 0], self.period) * self.period
         a, b, number, s, moved = self._segments
         (_, found), _ = self._tree.query_nearest(shapely.points(q), return_distance=True, all_matches=False)
         along = b[found] - a[found]
@@ -116,7 +116,7 @@ class Outline:
         directions, offsets = along / np.sqrt(square)[:, None], np.empty((len(q), 2))
         for i in np.unique(number[found]):
             rows = np.flatnonzero(number[found] == i)
-            at[rows], offsets[rows], tangents = _projected(self.curves[i], at[rows], q[rows])
+            at[rows], offsets[rows], tangents = projected(self.curves[i], at[rows], q[rows])
             size = np.hypot(*tangents.T)
             clear = np.isfinite(size) & (size > 0.0)
             directions[rows[clear]] = tangents[clear] / size[clear, None]
@@ -130,7 +130,7 @@ class Outline:
 
         lines = np.array(polylines, dtype=float)
         middle = 0.5 * (lines[:, 0, 0] + lines[:, -1, 0])
-        lines[..., 0] -= (np.floor(middle / self.period + 0.5) * self.period)[:, None]
+        lines[..., 0] -= (_turns(middle, self.period) * self.period)[:, None]
         _, distance = self._tree.query_nearest(shapely.linestrings(lines), return_distance=True, all_matches=False)
         return np.minimum(distance, REACH * self.period)
 
@@ -158,7 +158,12 @@ def spaced_parameters(curve: Curve, chord: float, period: float) -> Array:
     return np.concatenate([*(np.linspace(s[i], s[i + 1], k + 1)[:-1] for i, k in enumerate(pieces)), s[-1:]])
 
 
-def _projected(curve: Curve, s: Array, points: Array) -> tuple[Array, Array, Array]:
+def _turns(kappa: Array, period: float) -> Array:
+    """How many turns each kappa lies from the window [-half a turn, half a turn)."""
+    return np.floor(kappa / period + 0.5)
+
+
+def projected(curve: Curve, s: Array, points: Array) -> tuple[Array, Array, Array]:
     """From parameters near to them the places on a curve nearest to `points`: parameters, offsets, derivatives."""
     p, d = curve.points(s), curve.derivatives(s)
     best = np.hypot(*(points - p).T)
@@ -211,13 +216,13 @@ def drawn_near_points(region: Region, points: Array, fine: float) -> Outline:
     if not out.curves:
         return out
     at = np.array(points, dtype=float)
-    at[:, 0] -= np.floor(at[:, 0] / out.period + 0.5) * out.period
+    at[:, 0] -= _turns(at[:, 0], out.period) * out.period
     moves = np.array([[-out.period, 0.0], [0.0, 0.0], [out.period, 0.0]])
     tree = shapely.STRtree(shapely.points((at + moves[:, None]).reshape(-1, 2)))
     for before, chord in _levels(fine):
         spans = out.spans()
         middle = 0.5 * (spans[:, 0, 0] + spans[:, 1, 0])
-        spans[..., 0] -= (np.floor(middle / out.period + 0.5) * out.period)[:, None]
+        spans[..., 0] -= (_turns(middle, out.period) * out.period)[:, None]
         found = tree.query(shapely.linestrings(spans), predicate="dwithin", distance=NEAR * before)[0]
         out = out.refined(np.isin(np.arange(len(spans)), found), chord)
     return out

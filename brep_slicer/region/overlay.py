@@ -24,7 +24,7 @@ from brep_slicer.maps import Array
 from brep_slicer.section.chain import Arc, loops_from_arcs
 
 from .contacts import contacts
-from .outline import Outline, drawn_near_each_other, drawn_near_points
+from .outline import Outline, drawn_near_each_other, drawn_near_points, projected
 from .region import Region, region_from_loops
 
 # Two outlines that come as near as this touch, mm: ten times what edges of good files gape. A coarser one where that fails.
@@ -246,8 +246,8 @@ class _Overlay:
         turns = round(float(a.points(side_a)[0] - b.points(side_b)[0]) / self.period)
         other = b.parent.shifted(turns * self.period) if turns else b.parent
         trials = [(s, t), _polished(a.parent, other, s, t)]
-        trials += [(e, _projected(other, t, a.parent.points(np.array([e]))[0])) for e in (s, float(side_a))]
-        trials += [(_projected(a.parent, s, other.points(np.array([e]))[0]), e) for e in (t, float(side_b))]
+        trials += [(e, _beside(other, t, a.parent.points(np.array([e])))) for e in (s, float(side_a))]
+        trials += [(_beside(a.parent, s, other.points(np.array([e]))), e) for e in (t, float(side_b))]
         gaps = [self._gap(a.parent, other, (s, t), trial) for trial in trials]
         for (s, t), _ in sorted(zip(trials, gaps, strict=True), key=lambda pair: pair[1]):
             if (s > a.span[0] if side_a else s < a.span[1]) and (t > b.span[0] if side_b else t < b.span[1]):
@@ -354,9 +354,6 @@ def _polished(a: Curve, b: Curve, s: float, t: float) -> tuple[float, float]:
     return s, t
 
 
-def _projected(curve: Curve, s: float, point: Array) -> float:
-    """The parameter near `s` at which a curve is nearest to a point, by Gauss-Newton."""
-    for _ in range(12):
-        d = curve.derivatives(np.array([s]))[0]
-        s = min(max(s + float((point - curve.points(np.array([s]))[0]) @ d / max(d @ d, 1e-300)), 0.0), 1.0)
-    return s
+def _beside(curve: Curve, s: float, point: Array) -> float:
+    """The parameter near `s` at which a curve is nearest to a point (1, 2)."""
+    return float(projected(curve, np.array([s]), point)[0][0])

@@ -2,7 +2,7 @@
 
 In: a solid in the axis frame and a radius. Out: closed loops of unrolled curves, with a certificate.
 
-Words: *step*, how far outside of a coincident face the solid is cut instead (the one-sided limit cannot be taken here);
+Words: *step*, how far beside a critical radius the solid is cut instead (the one-sided limit cannot be taken here);
 *second cut*, the same section in two half-turns, whose areas must add up.
 """
 

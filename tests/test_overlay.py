@@ -152,6 +152,23 @@ def test_pins_that_cross_touch_and_fill_their_holes():
     assert union_of_regions(R, [drilled, b]).area == pytest.approx(band.area, rel=1e-12)
 
 
+def test_many_pins_in_any_order():
+    rng = np.random.default_rng(4)
+    half = 0.5 * TURN
+    places = [(k, v) for k, v in rng.uniform([-half, -12.0], [half, 12.0], (12, 2))]
+    pins = [pin(kappa, v, 3.0) for kappa, v in places] + [pin(TURN + 1.0, 30.0, 2.0), Region(radius=R)]
+    chord = 1e-5
+    drawn = [shapely.affinity.translate(r.to_shapely(chord=chord), k * TURN) for r in pins[:-1] for k in (-1, 0, 1)]
+    truth = shapely.union_all(drawn).intersection(shapely.box(-half, -50.0, half, 50.0)).area
+    unions = [union_of_regions(R, [pins[i] for i in order]) for order in (range(14), range(13, -1, -1), rng.permutation(14))]
+    for union in unions:
+        assert union.area == pytest.approx(truth, abs=chord * union.length)
+        assert union.area == pytest.approx(unions[0].area, rel=1e-11)
+        assert len(union.pieces) == len(unions[0].pieces)
+    rest = difference_of_regions(unions[0], union_of_regions(R, pins[:6]))
+    assert rest.area + union_of_regions(R, pins[:6]).area == pytest.approx(unions[0].area, rel=1e-11)
+
+
 def shape(steps) -> shapely.Geometry:
     """Boxes and triangles on a grid, added and taken away: shared edges, corners on edges, corners on corners."""
     out = shapely.Polygon()

@@ -25,7 +25,10 @@ from brep_slicer.section.chain import Arc, loops_from_arcs
 
 from .contacts import contacts
 from .outline import Outline, drawn_near_each_other, drawn_near_points, projected
+from .pieces import Piece
 from .region import Region, region_from_loops
+
+Box = tuple[float, float, float, float]
 
 # Two outlines that come as near as this touch, mm: ten times what edges of good files gape. A coarser one where that fails.
 TOUCHES = (1e-6, 1e-5)
@@ -48,12 +51,12 @@ def union_of_regions(radius: float, regions: Sequence[Region]) -> Region:
     LayerError
         If the outlines cross in a way that does not close.
     """
-    out = Region(radius=radius)
-    for region in regions:
-        if region.is_empty:
-            continue
-        out = region if out.is_empty else _overlay(out, region, union=True)
-    return out
+    parts = sorted((region for region in regions if not region.is_empty), key=lambda region: region.pieces[0].bounds())
+    while len(parts) > 1:
+        # neighbours first, so that no outline is drawn more often than there are rounds
+        joined = [_overlay(a, b, union=True) for a, b in zip(parts[0::2], parts[1::2], strict=False)]
+        parts = joined + parts[2 * len(joined) :]
+    return parts[0] if parts else Region(radius=radius)
 
 
 def difference_of_regions(region: Region, other: Region) -> Region:
@@ -87,14 +90,29 @@ class _Cut:
 
 
 def _overlay(a: Region, b: Region, *, union: bool) -> Region:
-    near = _near(a, b)
-    before = max(a.touch, b.touch)
+    """The pieces of both whose boxes meet are overlaid, the others stay as they are."""
+    flags = _meeting([p.bounds() for p in a.pieces], [p.bounds() for p in b.pieces], a.period)
+    (near_a, far_a), (near_b, far_b) = (_parted(region, near) for region, near in zip((a, b), flags, strict=True))
+    found = _near_overlaid(near_a, near_b, union) if near_a.pieces and near_b.pieces else near_a
+    pieces = found.pieces + far_a + (far_b if union else ())
+    return Region(radius=a.radius, pieces=pieces, touch=max(a.touch, b.touch, found.touch))
+
+
+def _parted(region: Region, near: Array) -> tuple[Region, tuple[Piece, ...]]:
+    """A region's pieces with a flag, (n,) of bool, and those without."""
+    pieces = tuple(piece for piece, flag in zip(region.pieces, near, strict=True) if flag)
+    return replace(region, pieces=pieces), tuple(piece for piece, flag in zip(region.pieces, near, strict=True) if not flag)
+
+
+def _near_overlaid(a: Region, b: Region, union: bool) -> Region:
+    boxes, others = ([c.bounds() for loop in r.loops for c in loop.curves] for r in (a, b))
+    near = _meeting(boxes, others, a.period)
     if not any(flags.any() for flags in near) and not _nested(a, b):
-        return Region(radius=a.radius, pieces=a.pieces + b.pieces if union else a.pieces, touch=before)
+        return replace(a, pieces=a.pieces + b.pieces if union else a.pieces)
     reasons = []
     for touch in TOUCHES:
         try:
-            return replace(_Overlay(a, b, near, touch).result(union=union), touch=max(before, touch))
+            return replace(_Overlay(a, b, near, touch).result(union=union), touch=touch)
         except LayerError as error:
             reasons.append(f"{error} (touch {touch:g} mm)")
     raise LayerError(
@@ -102,14 +120,14 @@ def _overlay(a: Region, b: Region, *, union: bool) -> Region:
     )
 
 
-def _near(a: Region, b: Region) -> tuple[Array, Array]:
-    """Which curves of either region have a box that meets one of the other's."""
-    p, q = (np.array([c.bounds() for loop in r.loops for c in loop.curves]) for r in (a, b))
+def _meeting(first: Sequence[Box], second: Sequence[Box], period: float) -> tuple[Array, Array]:
+    """Which boxes (kappa_min, v_min, kappa_max, v_max) of either kind meet one of the other, (n,) and (m,) of bool."""
+    p, q = np.array(first), np.array(second)
     margin = TOUCHES[-1]
     high = (p[:, None, 3] + margin >= q[None, :, 1]) & (q[None, :, 3] + margin >= p[:, None, 1])
-    first = np.ceil((p[:, None, 0] - q[None, :, 2] - margin) / a.period)
-    last = np.floor((p[:, None, 2] - q[None, :, 0] + margin) / a.period)
-    meets = high & (last >= first)
+    before = np.ceil((p[:, None, 0] - q[None, :, 2] - margin) / period)
+    last = np.floor((p[:, None, 2] - q[None, :, 0] + margin) / period)
+    meets = high & (last >= before)
     return meets.any(axis=1), meets.any(axis=0)
 
 

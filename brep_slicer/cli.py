@@ -1,6 +1,6 @@
 """The command: brep-slicer inspect, plan, view.
 
-In: words from a shell. Out: files, a few lines on the terminal, an exit code (DESIGN section 5).
+In: words from a shell. Out: files, a few lines on the terminal, an exit code.
 """
 
 from __future__ import annotations
@@ -187,7 +187,7 @@ def plan(
     settings = _process(process, given)
     read = _part(part, unit, solid)
     ensure_folder(out)
-    with _progress() as advance:
+    with _progress("layers") as advance:
         made = plan_part(
             read,
             settings,
@@ -197,14 +197,17 @@ def plan(
             engine=engine,
             progress=advance,
         )
+    if proof:
+        with _progress("proof") as advance:
+            made.proof(progress=advance)
     written = write_plan(made, out, allow_failed=allow_failed, step=step, dxf=dxf, proof=proof)
     if not allow_failed:
         check_complete(made)
-    _say(made)
+    _say(made, proof=proof)
     typer.echo("written: " + ", ".join(str(path) for path in written))
 
 
-def _say(made: Any) -> None:
+def _say(made: Any, *, proof: bool) -> None:
     """Warnings on standard error, what was planned on standard output."""
     for warning in made.warnings[:20]:
         typer.echo(f"warning: {warning}", err=True)
@@ -218,6 +221,10 @@ def _say(made: Any) -> None:
         f" {totals['travel_length_mm'] / 1000:.4g} m travel"
     )
     typer.echo(f"sections: {report['sections']}")
+    if proof:
+        from brep_slicer.proof import summary_of_proof
+
+        typer.echo(f"proof: {summary_of_proof(made.proof())}")
 
 
 def _process(path: Path | None, given: dict[str, Any]) -> Any:
@@ -241,6 +248,9 @@ def _choice(option: str, value: str | None, name: str) -> Any:
 class _progress:
     """A progress bar on a terminal, nothing in a pipe."""
 
+    def __init__(self, name: str) -> None:
+        self.name = name
+
     def __enter__(self) -> Any:
         self.bar = None
         if not sys.stderr.isatty():
@@ -250,7 +260,7 @@ class _progress:
 
         self.bar = Progress(console=Console(stderr=True), transient=True)
         self.bar.start()
-        task = self.bar.add_task("layers", total=None)
+        task = self.bar.add_task(self.name, total=None)
         return lambda done, total: self.bar.update(task, completed=done, total=total)  # type: ignore[union-attr]
 
     def __exit__(self, *error: object) -> None:

@@ -1,7 +1,7 @@
 """What can go wrong, each with the exit code that the command returns for it.
 
-In: nothing. Out: one exception class per outcome of DESIGN's contract (2 bad input, 3 cannot be planned, 4 a layer
-failed). A message is one line that says what is wrong and what to do about it.
+In: nothing. Out: one exception class per exit code (2 bad input, 3 cannot be planned, 4 a layer failed). A message
+is one line that says what is wrong and what to do about it.
 """
 
 from __future__ import annotations

@@ -49,6 +49,8 @@ class Part:
         InputError
             If there is no such solid; the message lists those there are.
         """
+        if not len(solids):
+            raise InputError(f"{self.source}: no solid was chosen; give names or indices, or none at all for every solid")
         chosen = []
         for key in solids:
             found = [s for s in self.solids if s.name == key or str(s.index) == str(key)]
@@ -79,6 +81,8 @@ def read_step(path: str | Path, *, unit: str | None = None, solids: Sequence[str
     """
     from brep_slicer.kernel.read import solids_from_step
 
+    if not isinstance(path, str | Path):
+        raise InputError(f"a STEP file is named by a path, not by {type(path).__name__}; as_part takes shapes of a CAD host")
     pairs, used = solids_from_step(path, unit=unit)
     return _checked_part(pairs, source=str(path), unit=used, solids=solids)
 

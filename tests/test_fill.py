@@ -88,7 +88,7 @@ def test_hatch_lines_are_a_step_over_apart(make, degrees):
 
 @given(st.floats(5.0, 500.0), st.floats(-180.0, 180.0), st.floats(0.2, 5.0))
 def test_lines_close_round_the_shaft(radius, degrees, step):
-    # L sin(phi) = k d, k whole (DESIGN section 4)
+    # L sin(phi) = k d, k whole
     turn = 2.0 * math.pi * radius
     angle, spacing, k = closing_lines(turn, math.radians(degrees), step)
     assert turn * math.sin(angle) == pytest.approx(k * spacing, rel=1e-9, abs=1e-9)

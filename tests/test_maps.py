@@ -1,4 +1,4 @@
-"""The maps of DESIGN section 3, there and back."""
+"""The maps, there and back."""
 
 from __future__ import annotations
 

@@ -146,6 +146,11 @@ def test_proof_from_the_command(fixture_step, tmp_path):
     assert done.exit_code == 0, done.output
     report = json.loads((tmp_path / "report.json").read_text())
     assert len(report["proof"]) == 2
+    (said,) = (line for line in done.output.splitlines() if line.startswith("proof: "))
+    lowest = min(row["step_over_measured_mm"]["lowest"] for row in report["proof"])
+    worst = max(row["bare_share"] for row in report["proof"])
+    assert f"measured {lowest:.4f} to " in said
+    assert f"at most {100 * worst:.3g} % left bare" in said
     assert report["proof"][0]["bare_share"] < 0.005
     assert (tmp_path / "proof.png").stat().st_size > 10_000
 

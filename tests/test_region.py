@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -35,6 +37,25 @@ def test_a_band_with_a_hole_across_the_seam():
     assert region.first_moment == pytest.approx(TURN * 40.0 * 20.0 - 12.0 * 20.0 * 20.0, rel=1e-14)
     for seam in (None, 3.0, -1.0):
         assert region.to_shapely(chord=0.01, seam=seam).area == pytest.approx(region.area, rel=1e-12)
+
+
+@pytest.mark.parametrize("turned", [0.0, 11.0, -200.0])
+@pytest.mark.parametrize("first", [0, 1, 2])
+def test_holes_of_a_band_whose_edge_folds_back(turned, first):
+    # at kappa = 42 the lower edge passes at v = 7, back at 16 and on at 18.1; it may begin anywhere
+    once = [(0.0, 0.0), (60.0, 10.0), (30.0, 20.0)]
+    corners = [*once[first:], *((k + TURN, v) for k, v in once[: first + 1])]
+    corners = [(k + turned, v) for k, v in corners]
+    lines = tuple(LineCurve(p0=p, p1=q) for p, q in itertools.pairwise(corners))
+    lower = Loop(curves=lines, radius=R, winding=1)
+    holes = [rectangle(42.0 + turned, v, 42.5 + turned, v + 1.0, hole=True) for v in (10.0, 20.0)]
+    below = [*ring(-60.0, -40.0, 5.0), rectangle(1.0, -55.0, 9.0, -50.0, hole=True)]
+    region = region_from_loops(R, [lower, ring(0.0, 40.0, turned)[1], *holes, *below])
+    by_height = sorted(region.pieces, key=lambda piece: piece.bounds()[1])
+    assert [len(piece.holes) for piece in by_height] == [1, 2]
+    gap = rectangle(42.0 + turned, 16.4, 42.5 + turned, 17.6, hole=True)
+    with pytest.raises(LayerError, match="lies in no piece"):
+        region_from_loops(R, [lower, ring(0.0, 40.0, turned)[1], gap])
 
 
 @given(st.floats(-300.0, 300.0))

@@ -24,7 +24,7 @@ MAXIMUM_HALVINGS = 20
 
 
 class CurveKind(enum.Enum):
-    """The kinds of an unrolled edge, DESIGN section 4."""
+    """The kinds of an unrolled edge."""
 
     LINE = "line"
     SINUSOID = "sinusoid"

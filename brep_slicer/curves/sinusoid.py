@@ -19,7 +19,7 @@ from .base import Curve, CurveKind, frozen_array
 class SinusoidCurve(Curve):
     """v(kappa) = a0 + a1 cos(kappa / radius) + a2 sin(kappa / radius), kappa from range[0] to range[1] (mm).
 
-    The plane a x + b y + n z = c gives a0 = c / n, a1 = -a R / n, a2 = -b R / n (DESIGN section 4).
+    The plane a x + b y + n z = c gives a0 = c / n, a1 = -a R / n, a2 = -b R / n.
     """
 
     kind: ClassVar[CurveKind] = CurveKind.SINUSOID

@@ -10,7 +10,7 @@ import numpy as np
 from brep_slicer.maps import Array
 
 # A face (or edge) whose radii differ by less is a coaxial cylinder's as far as layers go, mm: lands swept as B-splines by CAD
-# systems deviate from their cylinder by about 1e-5 (DESIGN section 4).
+# systems deviate from their cylinder by about 1e-5.
 COINCIDENCE_BAND = 2e-5
 # Radii nearer than this (mm) are equal: rounding of coordinates of some metres, and ten times the accuracy of the root finding.
 SNAP = 1e-9

@@ -23,7 +23,7 @@ UPRIGHT = math.radians(10.0)
 
 
 def closing_lines(period: float, angle: float, step_over: float) -> tuple[float, float, int]:
-    """The nearest angle in (-pi/2, pi/2] and spacing with period * sin(angle) = k * spacing, k whole (DESIGN section 4).
+    """The nearest angle in (-pi/2, pi/2] and spacing with period * sin(angle) = k * spacing, k whole.
 
     Returns the angle, the spacing and k (0 for rings, signed like the angle).
     """

@@ -186,8 +186,16 @@ class BSplineSurface(Surface):
 def _tensor(patches: Array, which: Array, degrees: tuple[int, int], at: tuple[Array, Array], widths: tuple[Array, Array]):
     """S, S_u, S_v (n, dim) on Bezier patches (m, p + 1, q + 1, dim), at local coordinates of the patches `which` (n,).
 
-    By blocks of points that fit into the processor's cache: a gathered patch takes a kilobyte.
+    By blocks of points that fit into the processor's cache: a gathered patch takes a kilobyte. Far outside of its patch a
+    surface of high degree is beyond all numbers; whoever asks there takes no such answer.
     """
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _tensor_by_blocks(patches, which, degrees, at, widths)
+
+
+def _tensor_by_blocks(
+    patches: Array, which: Array, degrees: tuple[int, int], at: tuple[Array, Array], widths: tuple[Array, Array]
+) -> Array:
     out = np.empty((3, len(which), patches.shape[-1]))
     for begin in range(0, len(which), BLOCK):
         rows = slice(begin, begin + BLOCK)

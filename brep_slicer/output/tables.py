@@ -21,7 +21,7 @@ UNITS = {"x": "mm", "y": "mm", "z": "mm", "kappa": "mm", "v": "mm", "radius": "m
 
 
 def csv_from_toolpath(toolpath: Toolpath) -> str:
-    """The table of DESIGN section 5: one line of names, one line a point."""
+    """The table: one line of names, one line a point."""
     lines = [",".join(COLUMNS)]
     numbers = np.column_stack([toolpath.points, toolpath.normals, toolpath.kappa, toolpath.v, toolpath.radius, toolpath.speed])
     kinds = np.where(toolpath.deposits, KINDS[0], KINDS[1]).tolist()

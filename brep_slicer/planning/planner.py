@@ -6,8 +6,10 @@ In: a part, a Process, what is known about axis and substrate. Out: a Plan.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
+
+import numpy as np
 
 from brep_slicer.errors import InputError, LayerError, PlanningError
 from brep_slicer.fill import LayerFill, PatternChoice, fill_layer
@@ -21,6 +23,10 @@ from brep_slicer.substrate.radius import Substrate, find_substrate
 from brep_slicer.toolpath import DepositLayer, Motion, Obstacles, Toolpath, lift_layers, obstacles_of
 
 from .warnings import warnings_of
+
+Progress = Callable[[int, int], None]
+# More beads than this are a step-over in the wrong unit, and more than memory holds.
+MOST_BEADS = 5e6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -38,19 +44,27 @@ class Plan:
     fills: tuple[LayerFill, ...]
     toolpath: Toolpath
     warnings: tuple[str, ...]
+    _proven: list[dict[str, Any]] = field(init=False, repr=False, default_factory=list)
 
     @property
     def failed(self) -> tuple[FailedLayer, ...]:
         """Layers that could not be cut with certainty."""
         return tuple(layer for layer in self.layers if isinstance(layer, FailedLayer))
 
-    def proof(self) -> list[dict[str, Any]]:
-        """How even the metal is, a row a layer: coverage, simulated deposit, step-over on the emitted points, duty."""
-        from brep_slicer.proof import proof_of_layers
+    def proof(self, progress: Progress | None = None) -> list[dict[str, Any]]:
+        """How even the metal is, a row a layer: coverage, simulated deposit, step-over on the emitted points, duty.
 
-        whole = [(layer, fill) for layer, fill in zip(self.layers, self.fills, strict=True) if isinstance(layer, Layer)]
-        width, step_over = self.process.width, self.process.step_over
-        return proof_of_layers(whole, self.toolpath, self.axis, width=width, step_over=step_over)
+        It is worked out once; `progress` is called with (layers done, layers in all).
+        """
+        if not self._proven:
+            from brep_slicer.proof import proof_of_layers
+
+            whole = [(layer, fill) for layer, fill in zip(self.layers, self.fills, strict=True) if isinstance(layer, Layer)]
+            width, step_over = self.process.width, self.process.step_over
+            self._proven.extend(
+                proof_of_layers(whole, self.toolpath, self.axis, width=width, step_over=step_over, progress=progress)
+            )
+        return list(self._proven)
 
     def report(self) -> dict[str, Any]:
         """Everything that report.json says, as plain values."""
@@ -69,7 +83,7 @@ def plan(
     layers: tuple[int | None, int | None] | str | None = None,
     engine: Engine | str = Engine.ANALYTIC,
     pattern: PatternChoice | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> Plan:
     """Plan the deposition of a part.
 
@@ -126,8 +140,7 @@ def plan(
         raise PlanningError(
             f"{part.source}: no layer meets any metal outside of R {chosen.radius:.6g} mm; check axis and substrate"
         )
-    fills = tuple(_filled(layer, process, pattern) for layer in cut)
-    _check_beads(part, process, cut, fills)
+    fills = _fills(part, process, cut, pattern)
     standing = _standing(part, axis, [s for s in solids if s.index in chosen.solids], chosen.radius)
     toolpath = lift_layers(_deposits(cut, fills, stack, process.by_feature), motion_of(process), axis, standing)
     notes = [*part.notes, *chosen.warnings, *stack.notes, *_unplanned(part)]
@@ -166,6 +179,17 @@ def _check_step_over(part: Part, process: Process, highest: float) -> None:
         )
 
 
+def _check_number_of_beads(part: Part, process: Process, layers: Sequence[Layer | FailedLayer]) -> None:
+    """At least as many as fit side by side across each piece's narrower extent."""
+    boxes = np.array([p.bounds() for layer in layers if isinstance(layer, Layer) for p in layer.region.pieces]).reshape(-1, 4)
+    count = float((boxes[:, 2:] - boxes[:, :2]).min(axis=1).sum()) / process.step_over
+    if count > MOST_BEADS:
+        raise InputError(
+            f"{part.source}: at a step-over of {process.step_over:g} mm the layers take {count:.2g} beads or more; make it"
+            " larger (-d), or plan fewer layers at once (--layers)"
+        )
+
+
 def _check_beads(part: Part, process: Process, layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill]) -> None:
     if any(fill.beads for fill in fills) or all(isinstance(layer, FailedLayer) for layer in layers):
         return
@@ -182,7 +206,7 @@ def _cut(
     substrate: Substrate,
     process: Process,
     engine: Engine,
-    progress: Callable[[int, int], None] | None,
+    progress: Progress | None,
 ) -> tuple[Layer | FailedLayer, ...]:
     done = (lambda i: progress(i + 1, len(numbers))) if progress is not None else None
     radii = [stack.cut_radii[i] for i in numbers]
@@ -211,8 +235,14 @@ def _cut(
     return tuple(out)
 
 
-def _filled(layer: Layer | FailedLayer, process: Process, pattern: PatternChoice | None) -> LayerFill:
-    return LayerFill(beads=()) if isinstance(layer, FailedLayer) else fill_layer(layer, process, pattern)
+def _fills(
+    part: Part, process: Process, layers: Sequence[Layer | FailedLayer], pattern: PatternChoice | None
+) -> tuple[LayerFill, ...]:
+    """Every layer's beads; neither too many nor none at all."""
+    _check_number_of_beads(part, process, layers)
+    fills = tuple(LayerFill(beads=()) if isinstance(x, FailedLayer) else fill_layer(x, process, pattern) for x in layers)
+    _check_beads(part, process, layers, fills)
+    return fills
 
 
 def _deposits(

@@ -15,7 +15,7 @@ from brep_slicer.errors import InputError
 
 
 class LastLayer(enum.Enum):
-    """What becomes of a last layer that the height does not fill (DESIGN section 5)."""
+    """What becomes of a last layer that the height does not fill."""
 
     KEEP = "keep"
     DROP = "drop"

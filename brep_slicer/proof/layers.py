@@ -6,7 +6,7 @@ In: a plan's layers, fills and toolpath. Out: for each layer coverage, deposit, 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -25,15 +25,39 @@ BINS = 13
 
 
 def proof_of_layers(
-    layers: Sequence[tuple[Layer, LayerFill]], toolpath: Toolpath, axis: Axis, *, width: float, step_over: float
+    layers: Sequence[tuple[Layer, LayerFill]],
+    toolpath: Toolpath,
+    axis: Axis,
+    *,
+    width: float,
+    step_over: float,
+    progress: Callable[[int, int], None] | None = None,
 ) -> list[dict[str, Any]]:
     """A row a layer: shares of area, mean height over t, variation, spacings in mm with their histogram, duty, starts."""
     summaries = {row["layer"]: row for row in toolpath.summary_by_layer()}
-    return [
-        {"layer": layer.index, **_row(layer, fill, toolpath, axis, width, step_over), **_duty(summaries.get(layer.index))}
-        for layer, fill in layers
-        if not layer.region.is_empty
-    ]
+    whole = [(layer, fill) for layer, fill in layers if not layer.region.is_empty]
+    rows = []
+    for done, (layer, fill) in enumerate(whole, start=1):
+        row = _row(layer, fill, toolpath, axis, width, step_over)
+        rows.append({"layer": layer.index, **row, **_duty(summaries.get(layer.index))})
+        if progress is not None:
+            progress(done, len(whole))
+    return rows
+
+
+def summary_of_proof(rows: Sequence[dict[str, Any]]) -> str:
+    """One line on the worst of all layers."""
+    if not rows:
+        return "no layer holds metal"
+    bare = max(rows, key=lambda row: row["bare_share"])
+    spacings = [row["step_over_measured_mm"] for row in rows if row["step_over_measured_mm"]["spacings"]]
+    lowest, highest = (min(s["lowest"] for s in spacings), max(s["highest"] for s in spacings)) if spacings else (None, None)
+    measured = f"spacings measured {lowest:.4f} to {highest:.4f} mm" if spacings else "no two beads beside each other"
+    heights = [row["mean_height_over_t"] for row in rows]
+    return (
+        f"{measured}; at most {100.0 * bare['bare_share']:.3g} % left bare (layer {bare['layer']});"
+        f" mean height {min(heights):.3f} to {max(heights):.3f} t"
+    )
 
 
 def _row(layer: Layer, fill: LayerFill, toolpath: Toolpath, axis: Axis, width: float, step_over: float) -> dict[str, Any]:

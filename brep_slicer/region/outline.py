@@ -18,7 +18,7 @@ from brep_slicer.curves import Curve, Loop
 from brep_slicer.curves.base import far_spans
 from brep_slicer.maps import Array
 
-from .region import Region
+from .region import Region, crossings_below
 
 # No segment is longer than this share of a turn, and distances are told up to as much: one copy on either side of the
 # window is then enough.
@@ -144,7 +144,7 @@ class Outline:
             first += len(loop.curves)
             chain = np.concatenate([*parts, parts[0][:1] + np.array([[loop.winding * self.period, 0.0]])])
             for i in range(0, len(points), AT_ONCE):
-                below[i : i + AT_ONCE] += _crossings_below(chain, points[i : i + AT_ONCE], self.period)
+                below[i : i + AT_ONCE] += crossings_below(chain, points[i : i + AT_ONCE], self.period)
         return below > 0
 
 
@@ -226,21 +226,3 @@ def drawn_near_points(region: Region, points: Array, fine: float) -> Outline:
         found = tree.query(shapely.linestrings(spans), predicate="dwithin", distance=NEAR * before)[0]
         out = out.refined(np.isin(np.arange(len(spans)), found), chord)
     return out
-
-
-def _crossings_below(chain: Array, points: Array, period: float) -> Array:
-    """How often a chain passes below each point towards greater kappa, less how often towards smaller."""
-    start = chain[0, 0]
-    # within one turn from the chain's start: the vertex at either end of a winding chain is then left or right of both copies
-    base = points[:, 0] - np.floor((points[:, 0] - start) / period) * period
-    base = np.where(base >= start + period, start, base)
-    count = np.zeros(len(points), dtype=int)
-    turns = (chain[:, 0] - start) / period
-    for lift in range(int(np.floor(turns.min())) - 1, int(np.ceil(turns.max())) + 1):
-        kappa = base + lift * period
-        right = chain[None, :, 0] > kappa[:, None]
-        rows, at = np.nonzero(right[:, 1:] != right[:, :-1])
-        (ka, va), (kb, vb) = chain[at].T, chain[at + 1].T
-        height = va + (vb - va) * (kappa[rows] - ka) / (kb - ka)
-        np.add.at(count, rows, np.where(height < points[rows, 1], np.where(right[rows, at + 1], 1, -1), 0))
-    return count

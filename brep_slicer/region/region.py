@@ -16,7 +16,7 @@ import numpy as np
 
 from brep_slicer.curves import Loop
 from brep_slicer.errors import LayerError
-from brep_slicer.maps import TURN
+from brep_slicer.maps import TURN, Array
 
 from .pieces import Piece
 
@@ -194,23 +194,39 @@ def _home_of(hole: Loop, probe, order, shapes, bands) -> tuple[int, int] | None:
             if shapes[index].contains(shapely.Point(k + turns * hole.period, v)):
                 return index, turns
     for j, (lower, upper) in enumerate(bands):
-        if _height_at(lower, k) <= v <= _height_at(upper, k):
+        if _lies_in_band(hole, lower, upper):
             start = float(lower.curves[0].start[0])
             return -1 - j, int(-np.floor((k - start) / hole.period))
     return None
 
 
-def _height_at(loop: Loop, kappa: float) -> float:
-    """v of a winding loop at kappa, from a fine sample (of a loop that folds back, the first crossing)."""
-    points = loop.sample(NESTING_SHARE * loop.period)
-    if loop.winding < 0:
-        points = points[::-1]
-    start = points[0, 0]
-    shift = np.floor((kappa - start) / loop.period) * loop.period
-    crossing = np.flatnonzero((points[:-1, 0] + shift <= kappa) & (points[1:, 0] + shift >= kappa))
-    i = int(crossing[0]) if len(crossing) else 0
-    (ka, va), (kb, vb) = points[i], points[i + 1]
-    return float(va if kb == ka else va + (vb - va) * (kappa - shift - ka) / (kb - ka))
+def _lies_in_band(hole: Loop, lower: Loop, upper: Loop) -> bool:
+    """Whether most of a hole's corners lie above the lower edge and not above the upper one, though these fold back."""
+    corners = np.array([curve.points(np.array([0.0, 0.5])) for curve in hole.curves]).reshape(-1, 2)
+    chains = [loop.sample(NESTING_SHARE * loop.period) for loop in (lower, upper)]
+    inside = crossings_below(chains[0], corners, hole.period) + crossings_below(chains[1], corners, hole.period) > 0
+    return bool(np.mean(inside) > 0.5)
+
+
+def crossings_below(chain: Array, points: Array, period: float) -> Array:
+    """How often a chain (m, 2) passes below each of `points` (n, 2) towards greater kappa, less how often towards smaller.
+
+    The chain ends where it starts, or whole turns of `period` (mm) on.
+    """
+    start = chain[0, 0]
+    # within one turn from the chain's start: the vertex at either end of a winding chain is then left or right of both copies
+    base = points[:, 0] - np.floor((points[:, 0] - start) / period) * period
+    base = np.where(base >= start + period, start, base)
+    count = np.zeros(len(points), dtype=int)
+    turns = (chain[:, 0] - start) / period
+    for lift in range(int(np.floor(turns.min())) - 1, int(np.ceil(turns.max())) + 1):
+        kappa = base + lift * period
+        right = chain[None, :, 0] > kappa[:, None]
+        rows, at = np.nonzero(right[:, 1:] != right[:, :-1])
+        (ka, va), (kb, vb) = chain[at].T, chain[at + 1].T
+        height = va + (vb - va) * (kappa[rows] - ka) / (kb - ka)
+        np.add.at(count, rows, np.where(height < points[rows, 1], np.where(right[rows, at + 1], 1, -1), 0))
+    return count
 
 
 def _paired_bands(loops: list[Loop]) -> list[tuple[Loop, Loop]]:

@@ -137,7 +137,8 @@ def _side_by_side(solids: Sequence[CutSolid], radius: float, engine: Engine) -> 
 
 
 def _layer(index: int, radius: float, sections: dict[int, Section], substrate: set[int]) -> Layer | FailedLayer:
-    failed = [str(s) for s in sections.values() if isinstance(s, LayerError)]
+    several = len(sections) > 1
+    failed = [f"solid {n}: {s}" if several else str(s) for n, s in sections.items() if isinstance(s, LayerError)]
     reason = "; ".join(failed)
     if not failed:
         try:
@@ -153,7 +154,7 @@ def _joined(index: int, radius: float, sections: dict[int, tuple[Region, Certifi
     region = union_of_regions(radius, features)
     for other in standing:
         region = difference_of_regions(region, other)
-    certificate = _merged([c for _, c in sections.values()])
+    certificate = _merged({i: c for i, (_, c) in sections.items()})
     if region.touch > 0.0:
         jog = max((loop.jog() for loop in region.loops), default=0.0)
         certificate = replace(
@@ -173,17 +174,18 @@ def _joined(index: int, radius: float, sections: dict[int, tuple[Region, Certifi
     )
 
 
-def _merged(certificates: list[Certificate]) -> Certificate:
-    """One certificate for several solids: the worst of each figure."""
+def _merged(by_solid: dict[int, Certificate]) -> Certificate:
+    """One certificate for several solids, by their numbers: the worst of each figure."""
+    certificates = list(by_solid.values())
     if len(certificates) == 1:
         return certificates[0]
     engines = {c.engine for c in certificates}
-    checks = {f"{k}@{i}": v for i, c in enumerate(certificates) for k, v in c.checks.items()}
+    checks = {f"{k}@{i}": v for i, c in by_solid.items() for k, v in c.checks.items()}
     return Certificate(
         engine=Engine.BOOLEAN if Engine.BOOLEAN in engines else Engine.ANALYTIC,
         residual=float(np.max([c.residual for c in certificates])),
         jog=float(np.max([c.jog for c in certificates])),
         checks=checks,
-        fallback="; ".join(c.fallback for c in certificates if c.fallback),
+        fallback="; ".join(f"solid {i}: {c.fallback}" for i, c in by_solid.items() if c.fallback),
         coincident=any(c.coincident for c in certificates),
     )

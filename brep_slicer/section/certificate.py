@@ -12,7 +12,7 @@ from typing import Any
 
 
 class Engine(enum.Enum):
-    """The two ways to cut a solid, DESIGN section 4."""
+    """The two ways to cut a solid."""
 
     ANALYTIC = "analytic"
     BOOLEAN = "boolean"

@@ -83,7 +83,7 @@ class AxisCandidate:
 
 
 def axis_from_line(point: ArrayLike, direction: ArrayLike) -> Axis:
-    """The Axis along a line, by the convention of DESIGN section 5.
+    """The Axis along a line, by the project's convention.
 
     Raises
     ------

@@ -13,7 +13,7 @@ from brep_slicer.errors import InputError, PlanningError
 from brep_slicer.process import CutAt, LastLayer, Process
 
 # A height that is a multiple of t to this (mm) is one: 43.4 / 1.4 is 31, whatever its binary digits say; lands swept as
-# B-splines deviate from their cylinder by as much (DESIGN sections 4 and 5).
+# B-splines deviate from their cylinder by as much.
 HEIGHT_BAND = 2e-5
 # So is one that misses by this share of t: a last layer thinner than a thousandth of the others is noise of the file.
 HEIGHT_SHARE = 1e-3

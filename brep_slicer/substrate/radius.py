@@ -81,7 +81,7 @@ def find_substrate(
     radius: float | None = None,
     solids: Sequence[int] | None = None,
 ) -> Substrate:
-    """The cylinder to build on (DESIGN section 5).
+    """The cylinder to build on.
 
     Parameters
     ----------

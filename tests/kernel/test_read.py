@@ -80,6 +80,10 @@ def test_solids_by_name_and_index(fixture_step):
     assert [s.index for s in bs.read_step(path, solids=["0", 3]).solids] == [0, 3]
     with pytest.raises(bs.InputError, match="there is no solid 'rudder'"):
         bs.read_step(path, solids=["rudder"])
+    with pytest.raises(bs.InputError, match="no solid was chosen"):
+        bs.read_step(path, solids=[])
+    with pytest.raises(bs.InputError, match="named by a path, not by Part"):
+        bs.read_step(part)
 
 
 def test_ocp_shapes_and_bytes(cylinder):

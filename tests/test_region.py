@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from brep_slicer.curves import LineCurve, Loop
 from brep_slicer.errors import LayerError
-from brep_slicer.region import region_from_loops
+from brep_slicer.region import overlapping_area, region_from_loops
 
 R = 20.0
 TURN = 2.0 * np.pi * R
@@ -53,6 +53,13 @@ def test_holes_of_a_band_whose_edge_folds_back(turned, first):
     region = region_from_loops(R, [lower, ring(0.0, 40.0, turned)[1], *holes, *below])
     by_height = sorted(region.pieces, key=lambda piece: piece.bounds()[1])
     assert [len(piece.holes) for piece in by_height] == [1, 2]
+    for seam in (None, 42.0 + turned, 59.0 + turned + TURN, 31.0, 0.0, -77.0):
+        flat = region.to_shapely(chord=0.01, seam=seam)
+        assert flat.is_valid
+        assert flat.area == pytest.approx(region.area, rel=1e-12)
+        cut = -0.5 * TURN if seam is None else seam
+        assert flat.bounds[::2] == pytest.approx((cut, cut + TURN), abs=1e-12)
+    assert overlapping_area(region) == 0.0
     gap = rectangle(42.0 + turned, 16.4, 42.5 + turned, 17.6, hole=True)
     with pytest.raises(LayerError, match="lies in no piece"):
         region_from_loops(R, [lower, ring(0.0, 40.0, turned)[1], gap])
@@ -73,6 +80,26 @@ def test_a_strip_longer_than_a_turn_is_one_piece():
     strip = region_from_loops(R, [rectangle(0.0, 0.0, 2.5 * TURN, 1.0)])
     assert not strip.pieces[0].winds
     assert strip.area == pytest.approx(2.5 * TURN)
+
+
+def test_what_lies_over_itself():
+    assert overlapping_area(region_from_loops(R, [])) == 0.0
+    band, square = ring(0.0, 40.0), rectangle(10.0, 50.0, 30.0, 60.0)
+    assert overlapping_area(region_from_loops(R, [*band, square])) == 0.0
+    hole = rectangle(10.0, 10.0, 30.0, 20.0, hole=True)
+    assert overlapping_area(region_from_loops(R, [*band, hole, rectangle(11.0, 11.0, 29.0, 19.0)])) == 0.0
+    over = region_from_loops(R, [*band, rectangle(TURN - 10.0, 30.0, TURN + 10.0, 60.0)])
+    assert overlapping_area(over) == pytest.approx(20.0 * 10.0, rel=1e-9)
+    helix = [(0.0, 0.0), (2.5 * TURN, 25.0), (2.5 * TURN, 37.0), (0.0, 12.0)]
+    strip = Loop(curves=tuple(LineCurve(p0=helix[i], p1=helix[(i + 1) % 4]) for i in range(4)), radius=R)
+    # 2.5 turns of pitch 10 and width 12: 2 mm lie over each other along all but the first turn
+    assert overlapping_area(region_from_loops(R, [strip])) == pytest.approx(1.5 * TURN * 2.0, rel=1e-9)
+    thin = [(0.0, 0.0), (2.5 * TURN, 25.0), (2.5 * TURN, 34.0), (0.0, 9.0)]
+    thread = Loop(curves=tuple(LineCurve(p0=thin[i], p1=thin[(i + 1) % 4]) for i in range(4)), radius=R)
+    assert overlapping_area(region_from_loops(R, [thread])) == 0.0
+    bow = [(0.0, 0.0), (20.0, 0.0), (20.0, 10.0), (5.0, 10.0), (5.0, -5.0), (0.0, -5.0)]
+    crossed = Loop(curves=tuple(LineCurve(p0=bow[i], p1=bow[(i + 1) % 6]) for i in range(6)), radius=R)
+    assert overlapping_area(region_from_loops(R, [crossed])) == pytest.approx(50.0)
 
 
 def test_a_hole_in_nothing_is_an_error():

@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from brep_slicer.process import InnerPattern, Order, Process, Rule
-from brep_slicer.region import Layer, Piece, polygon_from_piece
+from brep_slicer.region import Layer, Piece, band_between, polygon_from_piece
 
 from .bead import Bead, BeadKind, LayerFill
 from .cladding import Helix, Rings
@@ -75,8 +75,10 @@ def _holds(rule: Rule, piece: Piece) -> bool:
         return False
     if rule.narrower_than is None:
         return True
-    polygon = polygon_from_piece(piece, chord=0.01 * rule.narrower_than)
-    return 2.0 * shapely.maximum_inscribed_circle(polygon, tolerance=1e-3 * rule.narrower_than).length < rule.narrower_than
+    chord, period = 0.01 * rule.narrower_than, piece.outer[0].period
+    shape = band_between(piece, 0.0, 2.0 * period, chord=chord) if piece.winds else polygon_from_piece(piece, chord=chord)
+    circles = shapely.maximum_inscribed_circle(shapely.get_parts(shape), tolerance=1e-3 * rule.narrower_than)
+    return 2.0 * float(shapely.length(circles).max()) < rule.narrower_than
 
 
 def fill_layer(layer: Layer, process: Process, pattern: PatternChoice | None = None) -> LayerFill:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from brep_slicer.maps import Array
-from brep_slicer.region import Piece, polygon_from_piece
+from brep_slicer.region import Piece, band_between, polygon_from_piece
 
 if TYPE_CHECKING:
     from shapely import Polygon
@@ -79,20 +79,9 @@ def window_of(piece: Piece, shape):
 
 def three_turns(piece: Piece, chord: float):
     """A winding piece's polygon from one turn before the window to one turn after it, cut exactly at its ends."""
-    import shapely
-
     period = piece.outer[0].period
     cut = float(piece.outer[0].curves[0].start[0])
-    lower, upper = (loop.sample(chord) for loop in piece.outer)
-    chains = []
-    for points, way in ((lower, 1), (upper, -1)):
-        turns = np.arange(-2, 4) if way > 0 else np.arange(3, -3, -1)
-        chains.append(np.concatenate([points[:-1] + np.array([k * period, 0.0]) for k in turns]))
-    shell = shapely.Polygon(np.concatenate(chains)).buffer(0.0)
-    window = shapely.box(cut - period, shell.bounds[1] - 1.0, cut + 2.0 * period, shell.bounds[3] + 1.0)
-    shell = shell.intersection(window)
-    holes = [hole.shifted(k).sample(chord) for hole in piece.holes for k in range(-3, 4)]
-    return shell.difference(shapely.union_all([shapely.Polygon(h) for h in holes])) if holes else shell
+    return band_between(piece, cut - period, cut + 2.0 * period, chord=chord)
 
 
 def _moved(polygon, distance: float):

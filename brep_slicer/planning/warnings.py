@@ -13,7 +13,7 @@ import numpy as np
 
 from brep_slicer.fill import LayerFill
 from brep_slicer.process import Process
-from brep_slicer.region import FailedLayer, Layer
+from brep_slicer.region import FailedLayer, Layer, overlapping_area
 
 # Beads that hold more metal than this share of a layer's, or less, are warned of. Half a bead of room on all sides leaves a
 # third of a small piece; a bead wider than its piece is told of by itself.
@@ -24,7 +24,7 @@ _PIECE = re.compile(r"^piece (\d+): ")
 
 
 def warnings_of(layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill], process: Process) -> list[str]:
-    """Failed and empty layers, what patterns had to say, and beads that hold far more or less metal than their layer."""
+    """Failed and empty layers, sections that lie over themselves, what patterns had to say, beads too full or too empty."""
     out, notes = [], []
     for layer, fill in zip(layers, fills, strict=True):
         if isinstance(layer, FailedLayer):
@@ -32,6 +32,7 @@ def warnings_of(layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill
         elif layer.region.is_empty:
             out.append(f"layer {layer.index} (R {layer.radius:.6g} mm) meets no metal")
         notes += [(layer.index, note) for note in fill.notes]
+    out += _lying_over_themselves(layers, process)
     if process.width < process.step_over:
         out.append(f"beads {process.width:.4g} mm wide and {process.step_over:.4g} mm apart leave bare metal between them")
     return [*out, *_grouped([*notes, *_almost_bare(layers, fills, process)]), *_metal(layers, fills, process)]
@@ -62,6 +63,19 @@ def _numbers(word: str, numbers: set[int]) -> str:
             runs.append([n, n])
     text = ", ".join(f"{a}" if a == b else f"{a} to {b}" for a, b in runs)
     return f"{word}{'s' if len(numbers) > 1 else ''} {text}"
+
+
+def _lying_over_themselves(layers: Sequence[Layer | FailedLayer], process: Process) -> list[str]:
+    """Layers on which the solid's faces run through one another."""
+    chord = process.value("chord")
+    whole = [layer for layer in layers if isinstance(layer, Layer)]
+    over = {layer.index: area for layer in whole if (area := overlapping_area(layer.region, chord=chord)) > 0.0}
+    if not over:
+        return []
+    return [
+        f"{_numbers('layer', set(over))}: the section lies over itself, {max(over.values()):.4g} mm2 at most, which get metal"
+        " twice; the solid's faces run through one another (a thread wider than its pitch?), mend it"
+    ]
 
 
 def _almost_bare(layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill], process: Process) -> list[tuple[int, str]]:

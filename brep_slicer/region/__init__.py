@@ -4,11 +4,13 @@ In: the loops of every solid's section. Out: regions (nested pieces with exact a
 """
 
 from .allowance import grown_region, slice_with_allowance
+from .chart import band_between, polygon_from_piece
 from .features import features_of
 from .layer import FailedLayer, Layer
+from .overlaps import overlapping_area
 from .overlay import difference_of_regions, union_of_regions
 from .pieces import Piece
-from .region import Region, polygon_from_piece, region_from_loops
+from .region import Region, region_from_loops
 from .slicing import slice_part, slice_solids
 
 __all__ = [
@@ -16,9 +18,11 @@ __all__ = [
     "Layer",
     "Piece",
     "Region",
+    "band_between",
     "difference_of_regions",
     "features_of",
     "grown_region",
+    "overlapping_area",
     "polygon_from_piece",
     "region_from_loops",
     "slice_part",

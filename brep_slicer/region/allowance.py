@@ -24,8 +24,9 @@ from brep_slicer.maps import TURN, Array
 from brep_slicer.section import CutSolid, Engine
 from brep_slicer.section.chain import Arc, loops_from_arcs
 
+from .chart import polygon_from_piece
 from .layer import FailedLayer, Layer
-from .region import Region, polygon_from_piece, region_from_loops
+from .region import Region, region_from_loops
 from .slicing import slice_solids
 
 if TYPE_CHECKING:

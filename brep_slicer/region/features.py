@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .chart import polygon_from_piece
 from .region import Region
 
 # Outlines are compared by polygons this fine, mm.
@@ -36,8 +37,8 @@ def _overlapping(first: Region, second: Region) -> list[tuple[int, int]]:
 
     if first.is_empty or second.is_empty:
         return []
-    ours = list(first.to_shapely(chord=CHORD).geoms)
-    theirs = list(second.on_radius(first.radius).to_shapely(chord=CHORD).geoms)
+    ours = [polygon_from_piece(piece, chord=CHORD) for piece in first.pieces]
+    theirs = [polygon_from_piece(piece, chord=CHORD) for piece in second.on_radius(first.radius).pieces]
     tree = shapely.STRtree(theirs)
     found: set[tuple[int, int]] = set()
     for turn in (-1, 0, 1):

@@ -18,7 +18,8 @@ from brep_slicer.curves import Curve, Loop
 from brep_slicer.curves.base import far_spans
 from brep_slicer.maps import Array
 
-from .region import Region, crossings_below
+from .chart import crossings_below
+from .region import Region
 
 # No segment is longer than this share of a turn, and distances are told up to as much: one copy on either side of the
 # window is then enough.

@@ -16,12 +16,13 @@ import numpy as np
 
 from brep_slicer.curves import Loop
 from brep_slicer.errors import LayerError
-from brep_slicer.maps import TURN, Array
+from brep_slicer.maps import TURN
 
+from .chart import crossings_below, polygon_from_piece
 from .pieces import Piece
 
 if TYPE_CHECKING:
-    from shapely import MultiPolygon, Polygon
+    from shapely import MultiPolygon
 
 # Loops are nested by samples this fine (a share of the loop's extent): it decides only who lies inside of whom.
 NESTING_SHARE = 1e-4
@@ -75,68 +76,16 @@ class Region:
         return Region(radius=radius, pieces=tuple(piece.on_radius(radius) for piece in self.pieces), touch=self.touch)
 
     def to_shapely(self, *, chord: float = 0.01, seam: float | None = None) -> MultiPolygon:
-        """Polygons in (kappa, v), mm, sampled in the plane to `chord` (mm), one a piece.
+        """Polygons in (kappa, v), mm, sampled in the plane to `chord` (mm), in the order of the pieces.
 
         A piece that does not wind is drawn whole, where its middle lies within half a turn of kappa = 0. A full band is cut
-        at kappa = `seam` (default: half a turn before 0) and its two cut sides are no boundary of the region.
+        at kappa = `seam` (default: half a turn before 0) and its two cut sides are no boundary of the region; if an edge folds
+        back over the seam, it comes in several polygons.
         """
         import shapely
 
-        return shapely.MultiPolygon([polygon_from_piece(piece, chord=chord, seam=seam) for piece in self.pieces])
-
-
-def polygon_from_piece(piece: Piece, *, chord: float, seam: float | None = None) -> Polygon:
-    """One piece as a polygon in its chart (see `Region.to_shapely`)."""
-    import shapely
-
-    if not piece.winds:
-        return shapely.Polygon(piece.outer[0].sample(chord), [hole.sample(chord) for hole in piece.holes])
-    cut = -0.5 * piece.outer[0].period if seam is None else seam
-    lower, upper = (_between(loop, cut, chord) for loop in piece.outer)
-    shell = shapely.Polygon(np.concatenate([lower, upper]))
-    holes = [
-        shapely.Polygon(hole.shifted(turns).sample(chord))
-        for hole in piece.holes
-        for turns in _lifts_between(hole, cut, cut + hole.period)
-    ]
-    return shell.difference(shapely.union_all(holes)) if holes else shell
-
-
-def _between(loop: Loop, cut: float, chord: float):
-    """A winding loop's samples from kappa = cut to a turn further (in its own direction), ends interpolated."""
-    points = loop.sample(chord)
-    period = loop.period
-    low, high = points[:, 0].min(), points[:, 0].max()
-    first, last = int(np.floor((cut - high) / period)), int(np.ceil((cut + period - low) / period))
-    turns = np.arange(first, last + 1) if loop.winding > 0 else np.arange(last, first - 1, -1)
-    chain = np.concatenate([points[:-1] + np.array([k * period, 0.0]) for k in turns])
-    start, end = (cut, cut + period) if loop.winding > 0 else (cut + period, cut)
-    return _cut_chain(chain, start, end)
-
-
-def _cut_chain(chain, start: float, end: float):
-    """The part of a chain from its last crossing of kappa = start before its first one of kappa = end after it."""
-    side = np.sign(end - start)
-    before = side * (chain[:, 0] - start)
-    crossing = np.flatnonzero((before[:-1] < 0.0) & (before[1:] >= 0.0))
-    i = int(crossing[0])
-    f = before[i] / (before[i] - before[i + 1])
-    first = np.array([start, chain[i, 1] + f * (chain[i + 1, 1] - chain[i, 1])])
-    after = side * (chain[:, 0] - end)
-    # the same place one turn on: the chain repeats itself, so the crossing found there has the same index in its turn
-    later = np.flatnonzero((after[:-1] < 0.0) & (after[1:] >= 0.0))
-    j = int(later[later >= i][0])
-    last = np.array([end, first[1]])
-    inner = chain[i + 1 : j + 1]
-    inner = inner[np.any(inner != first, axis=1) & np.any(inner != last, axis=1)] if len(inner) else inner
-    return np.concatenate([first[None, :], inner, last[None, :]])
-
-
-def _lifts_between(loop: Loop, low: float, high: float) -> range:
-    """The turns by which a loop can be moved so that it overlaps [low, high] in kappa."""
-    k0, _, k1, _ = loop.bounds()
-    period = loop.period
-    return range(int(np.ceil((low - k1) / period)), int(np.floor((high - k0) / period)) + 1)
+        drawn = [polygon_from_piece(piece, chord=chord, seam=seam) for piece in self.pieces]
+        return shapely.MultiPolygon([part for shape in drawn for part in shapely.get_parts(shape)])
 
 
 def region_from_loops(radius: float, loops: Iterable[Loop]) -> Region:
@@ -206,27 +155,6 @@ def _lies_in_band(hole: Loop, lower: Loop, upper: Loop) -> bool:
     chains = [loop.sample(NESTING_SHARE * loop.period) for loop in (lower, upper)]
     inside = crossings_below(chains[0], corners, hole.period) + crossings_below(chains[1], corners, hole.period) > 0
     return bool(np.mean(inside) > 0.5)
-
-
-def crossings_below(chain: Array, points: Array, period: float) -> Array:
-    """How often a chain (m, 2) passes below each of `points` (n, 2) towards greater kappa, less how often towards smaller.
-
-    The chain ends where it starts, or whole turns of `period` (mm) on.
-    """
-    start = chain[0, 0]
-    # within one turn from the chain's start: the vertex at either end of a winding chain is then left or right of both copies
-    base = points[:, 0] - np.floor((points[:, 0] - start) / period) * period
-    base = np.where(base >= start + period, start, base)
-    count = np.zeros(len(points), dtype=int)
-    turns = (chain[:, 0] - start) / period
-    for lift in range(int(np.floor(turns.min())) - 1, int(np.ceil(turns.max())) + 1):
-        kappa = base + lift * period
-        right = chain[None, :, 0] > kappa[:, None]
-        rows, at = np.nonzero(right[:, 1:] != right[:, :-1])
-        (ka, va), (kb, vb) = chain[at].T, chain[at + 1].T
-        height = va + (vb - va) * (kappa[rows] - ka) / (kb - ka)
-        np.add.at(count, rows, np.where(height < points[rows, 1], np.where(right[rows, at + 1], 1, -1), 0))
-    return count
 
 
 def _paired_bands(loops: list[Loop]) -> list[tuple[Loop, Loop]]:

@@ -11,9 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from brep_slicer.curves import LineCurve, Loop, SinusoidCurve
-from brep_slicer.fill import Contours, Hatch, PatternSequence, fill_region
+from brep_slicer.fill import Contours, Hatch, PatternSequence, Rings, Skeleton, Spiral, Zigzag, fill_region
 from brep_slicer.fill.distance import Outline
 from brep_slicer.fill.full_turn import closing_lines
+from brep_slicer.proof import coverage_of
 from brep_slicer.region import Region, region_from_loops
 
 R = 20.0
@@ -47,6 +48,18 @@ def wavy() -> Region:
         LineCurve(p0=top.end, p1=(-12.0, 0.0)),
     ]
     return region_from_loops(R, [Loop(curves=tuple(sides), radius=R)])
+
+
+def leaning(turned: float = 0.0, first: int = 0, lean: float = 50.0, wide: float = 20.0, count: int = 4) -> Region:
+    """A band with blades that lean over the next ones: every kappa meets the upper edge several times; it begins anywhere."""
+    blade = ((0.0, 20.0), (lean, 45.0), (lean + wide, 45.0), (wide, 20.0))
+    once = [(i * TURN / count + k, v) for i in range(count) for k, v in blade]
+    places = [(once[j % len(once)], j // len(once)) for j in range(first, first + len(once) + 1)]
+    corners = [(k + turns * TURN + turned, v) for (k, v), turns in places]
+    upper = tuple(LineCurve(p0=q, p1=p) for p, q in itertools.pairwise(corners))[::-1]
+    lower = (LineCurve(p0=(turned + 3.0, 0.0), p1=(turned + 3.0 + TURN, 0.0)),)
+    loops = [Loop(curves=lower, radius=R, winding=1), Loop(curves=upper, radius=R, winding=-1)]
+    return region_from_loops(R, loops)
 
 
 REGIONS = {"box": box, "band": band, "wavy": wavy}
@@ -175,3 +188,52 @@ def test_short_beads_are_counted():
     fill = fill_region(region, Hatch(angle=0.0), **ARGS, shortest_bead=2.0)
     assert [b.kind.value for b in fill.beads] == ["skeleton"]
     assert "beads shorter than 2 mm left out" in fill.notes[0]
+
+
+PATTERNS = {
+    "hatch": (Hatch(angle=0.7), 0.2),
+    "zigzag": (Zigzag(), 0.2),
+    "contours": (Contours(count=None), 0.06),
+    "contours and hatch": (PatternSequence(patterns=(Contours(), Hatch(angle=0.7)), overlap=2 * D - W), 0.02),
+    "contours and skeleton": (PatternSequence(patterns=(Contours(count=None), Skeleton())), 0.02),
+    "spiral": (Spiral(), 0.02),
+    "rings": (Rings(), 0.2),
+}
+
+
+@pytest.mark.parametrize("name", PATTERNS)
+@pytest.mark.parametrize("shape", [{"lean": 50.0}, {"lean": 150.0, "wide": 70.0, "count": 1}], ids=["four", "more than a turn"])
+def test_a_band_under_leaning_blades(name, shape):
+    pattern, most_bare = PATTERNS[name]
+    found = []
+    for turned, first in ((0.0, 0), (17.3, 2), (-200.0, 5)):
+        region = leaning(turned, first, **shape)
+        made = fill_region(region, pattern, **ARGS)
+        covered = coverage_of(region, made.beads, W)
+        assert covered.area == pytest.approx(region.area, rel=1e-9)
+        assert covered.outside < 1e-3
+        assert covered.bare_share < most_bare
+        outline = Outline(region.pieces[0], 0.5 * W)
+        for bead in made.beads:
+            if name != "contours and skeleton":
+                assert outline.distances(along(bead.points))[0].min() > 0.5 * W - 1e-9
+        found.append((len(made.beads), sum(bead.length() for bead in made.beads), covered.bare_share))
+    assert [n for n, *_ in found] == [found[0][0]] * 3
+    for other in found[1:]:
+        assert other[1:] == pytest.approx(found[0][1:], rel=1e-3)
+
+
+def test_a_contour_under_leaning_blades_is_one_line_all_the_way_round():
+    (lower, upper) = fill_region(leaning(11.0, 1), Contours(), **ARGS).beads
+    assert lower.length() == pytest.approx(TURN, rel=1e-12)
+    # four times: up one flank and down the other, two ends; round the outer corners, cut short in the inner ones
+    outline = 4.0 * (2.0 * math.hypot(50.0, 25.0) + TURN / 4)
+    lean = math.atan2(25.0, 50.0)
+
+    def at(inset: float) -> float:
+        shorter = 2.0 * inset * (1.0 / math.tan(lean / 2) + 1.0 / math.tan((math.pi - lean) / 2))
+        return outline + 4.0 * (math.pi * inset - shorter)
+
+    # it errs inwards by the chord and that of the round corners
+    assert at(0.5 * W + 2.0 * ARGS["chord"]) < upper.length() < at(0.5 * W)
+    assert upper.points[-1] - upper.points[0] == pytest.approx([-TURN, 0.0], abs=1e-9)

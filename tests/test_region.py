@@ -53,6 +53,9 @@ def test_holes_of_a_band_whose_edge_folds_back(turned, first):
     region = region_from_loops(R, [lower, ring(0.0, 40.0, turned)[1], *holes, *below])
     by_height = sorted(region.pieces, key=lambda piece: piece.bounds()[1])
     assert [len(piece.holes) for piece in by_height] == [1, 2]
+    for loop in region.loops:
+        points = loop.sample(0.01)
+        assert loop.bounds() == pytest.approx((*points.min(axis=0), *points.max(axis=0)), abs=1e-12)
     for seam in (None, 42.0 + turned, 59.0 + turned + TURN, 31.0, 0.0, -77.0):
         flat = region.to_shapely(chord=0.01, seam=seam)
         assert flat.is_valid

@@ -83,7 +83,8 @@ class Loop:
         return self._known["bounds"]
 
     def _find_bounds(self) -> tuple[float, float, float, float]:
-        ends = np.concatenate(self._joints())
+        # of a loop that winds the first point is not where the last one ends, but whole turns from there
+        ends = np.concatenate([*self._joints(), self.curves[0].start[None]])
         curved = [curve.bounds() for curve in self.curves if not isinstance(curve, LineCurve)]
         boxes = np.array([(*ends.min(axis=0), *ends.max(axis=0)), *curved])
         return (*boxes[:, :2].min(axis=0).tolist(), *boxes[:, 2:].max(axis=0).tolist())

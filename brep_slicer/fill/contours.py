@@ -5,11 +5,13 @@ In: a cell. Out: closed beads, polygons that err inwards by no more than the cho
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from brep_slicer.maps import Array
+from brep_slicer.region import stitched_outlines
 
 from .bead import Bead, BeadKind
 from .inset import from_the_lowest, inset_piece, three_turns_moved
@@ -45,62 +47,30 @@ def rings_at(cell: Cell, distance: float) -> list[Array]:
     if not cell.piece.winds:
         inset = inset_piece(cell.piece, distance, chord=cell.chord)
         return [from_the_lowest(np.asarray(ring.coords)) for p in inset.polygons for ring in (p.exterior, *p.interiors)]
-    shape = three_turns_moved(cell.piece, distance, chord=cell.chord)
     period = cell.piece.outer[0].period
     cut = float(cell.piece.outer[0].curves[0].start[0])
-    return rings_of_three_turns(shape, cut, period)
+    shape = three_turns_moved(cell.piece, distance, chord=cell.chord)
+    # what is drawn there ends an inset before a turn on either side of the window
+    found = stitched_outlines(shape, first=cut - 0.5 * period, period=period)
+    round_lines = [_from_the_cut(points, cut, winding * period) for points, winding in found if winding]
+    rings = [_in_the_window(from_the_lowest(points), cut, period) for points, winding in found if not winding]
+    return sorted(round_lines, key=lambda points: float(points[:, 1].mean())) + rings
 
 
-def rings_of_three_turns(shape, cut: float, period: float) -> list[Array]:
-    """The outlines of a geometry drawn over three turns, each once: closed rings, and lines that go all the way round."""
-    out = []
-    for polygon in getattr(shape, "geoms", [shape]):
-        if polygon.is_empty or polygon.geom_type != "Polygon":
-            continue
-        for ring in (polygon.exterior, *polygon.interiors):
-            points = np.asarray(ring.coords)
-            low, high = points[:, 0].min(), points[:, 0].max()
-            if high - low < 1.5 * period:
-                if cut <= low < cut + period:
-                    out.append(points)
-            else:
-                out += _round_lines(points, cut, period)
-    return out
+def _in_the_window(ring: Array, cut: float, period: float) -> Array:
+    return ring - np.array([math.floor((ring[:, 0].min() - cut) / period) * period, 0.0])
 
 
-def _round_lines(points: Array, cut: float, period: float) -> list[Array]:
-    """The lower and the upper side of a band drawn over three turns, one turn of each, from kappa = cut on."""
-    a = points[:-1]
-    middle = cut + 0.5 * period
-    # rotate the ring so that it starts on its left end, and find where its two long sides cross the window's ends
-    a = np.roll(a, -int(a[:, 0].argmin()), axis=0)
-    ring = np.concatenate([a, a[:1]])
-    out = []
-    for way in (1.0, -1.0):
-        start, stop = (cut, cut + period) if way > 0 else (cut + period, cut)
-        x = way * (ring[:, 0] - start)
-        enters = np.flatnonzero((x[:-1] < 0.0) & (x[1:] >= 0.0))
-        y = way * (ring[:, 0] - stop)
-        leaves = np.flatnonzero((y[:-1] < 0.0) & (y[1:] >= 0.0))
-        for i in enters:
-            later = leaves[leaves >= i]
-            if not len(later):
-                continue
-            j = int(later[0])
-            first, last = _at(ring, int(i), start), _at(ring, j, stop)
-            last[1] = first[1]
-            chain = np.concatenate([first[None], ring[i + 1 : j + 1], last[None]])
-            if (way * np.diff(chain[:, 0])).sum() > 0.99 * period and abs(chain[:, 0].mean() - middle) < period:
-                out.append(_distinct(chain))
-                break
-    return out
-
-
-def _at(ring: Array, i: int, kappa: float) -> Array:
-    share = (kappa - ring[i, 0]) / (ring[i + 1, 0] - ring[i, 0])
-    return np.array([kappa, ring[i, 1] + share * (ring[i + 1, 1] - ring[i, 1])])
-
-
-def _distinct(chain: Array) -> Array:
-    keep = np.append(True, np.hypot(*np.diff(chain, axis=0).T) > 1e-12)
-    return chain[keep]
+def _from_the_cut(points: Array, cut: float, turn: float) -> Array:
+    """A line that goes round by `turn` (mm, either way), run from kappa = `cut` or a turn on, where that is lowest."""
+    steps = np.floor((np.sign(turn) * (points[:, 0] - cut)) / abs(turn))
+    crossing = np.flatnonzero(np.diff(steps) > 0.0)
+    level = cut + np.sign(turn) * steps[crossing + 1] * abs(turn)
+    (k0, v0), (k1, v1) = points[crossing].T, points[crossing + 1].T
+    heights = v0 + (v1 - v0) * (level - k0) / (k1 - k0)
+    i = int(crossing[heights.argmin()])
+    start = np.array([[level[heights.argmin()], heights.min()]])
+    once = np.array([turn, 0.0])
+    chain = np.concatenate([start, points[i + 1 : -1], points[: i + 1] + once, start + once])
+    chain[:, 0] += (cut if turn > 0.0 else cut - turn) - chain[0, 0]
+    return chain[np.append(True, np.hypot(*np.diff(chain, axis=0).T) > 1e-12)]

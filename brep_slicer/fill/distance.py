@@ -9,7 +9,7 @@ import numpy as np
 
 from brep_slicer.curves import Curve, LineCurve
 from brep_slicer.maps import Array
-from brep_slicer.region import Piece
+from brep_slicer.region import Piece, lifts_between
 
 # Feet on curved curves are sought from samples at this share of the distance that matters, then polished by Newton.
 SEARCH_SHARE = 0.05
@@ -21,7 +21,8 @@ class Outline:
     def __init__(self, piece: Piece, reach: float) -> None:
         loops = list(piece.loops)
         if piece.winds:
-            loops = [loop.shifted(k) for loop in loops for k in (-1, 0, 1)]
+            cut = float(piece.outer[0].curves[0].start[0])
+            loops = [loop.shifted(k) for loop in loops for k in lifts_between(loop, cut - reach, cut + loop.period + reach)]
         curves = [curve for loop in loops for curve in loop.curves]
         lines = [c for c in curves if isinstance(c, LineCurve)]
         self.p0 = np.array([c.p0 for c in lines]).reshape(-1, 2)

@@ -4,7 +4,7 @@ In: the loops of every solid's section. Out: regions (nested pieces with exact a
 """
 
 from .allowance import grown_region, slice_with_allowance
-from .chart import band_between, polygon_from_piece
+from .chart import band_between, lifts_between, polygon_from_piece
 from .features import features_of
 from .layer import FailedLayer, Layer
 from .overlaps import overlapping_area
@@ -12,6 +12,7 @@ from .overlay import difference_of_regions, union_of_regions
 from .pieces import Piece
 from .region import Region, region_from_loops
 from .slicing import slice_part, slice_solids
+from .stitched import stitched_outlines
 
 __all__ = [
     "FailedLayer",
@@ -22,11 +23,13 @@ __all__ = [
     "difference_of_regions",
     "features_of",
     "grown_region",
+    "lifts_between",
     "overlapping_area",
     "polygon_from_piece",
     "region_from_loops",
     "slice_part",
     "slice_solids",
     "slice_with_allowance",
+    "stitched_outlines",
     "union_of_regions",
 ]

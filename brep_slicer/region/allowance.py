@@ -11,6 +11,7 @@ the angle psi with the layer this gives a / cos(psi) = a / sqrt(1 - (n . e_rho)*
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -18,16 +19,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from brep_slicer.curves import LineCurve
+from brep_slicer.curves import LineCurve, Loop
 from brep_slicer.errors import LayerError
 from brep_slicer.maps import TURN, Array
 from brep_slicer.section import CutSolid, Engine
-from brep_slicer.section.chain import Arc, loops_from_arcs
 
 from .chart import polygon_from_piece
 from .layer import FailedLayer, Layer
 from .region import Region, region_from_loops
 from .slicing import slice_solids
+from .stitched import stitched_outlines
 
 if TYPE_CHECKING:
     from shapely import Geometry
@@ -36,8 +37,6 @@ if TYPE_CHECKING:
 SHARE = 1.0 / 6.0
 # A section this far below a land (mm) still has it: more than the noise of lands in real files.
 BELOW = 5e-5
-# Ends of the outline on the two sides of the chart belong together within this, mm.
-SAME_PLACE = 1e-6
 
 
 def slice_with_allowance(
@@ -157,69 +156,10 @@ def _copies(region: Region, chord: float, margin: float) -> list[Geometry]:
 
 
 def _region_of(shape: Geometry, radius: float, thin: float) -> Region:
-    """A region of what is drawn on at least one turn, cut where no corner lies and joined again over the seam."""
-    import shapely
-
-    if shape.is_empty:
-        return Region(radius=radius)
+    """A region of what is drawn on the middle turn and on half a turn beside it."""
     period = TURN * radius
-    seam = _free_place(shape, period)
-    low, high = shape.bounds[1::2]
-    flat = shape.intersection(shapely.box(seam, low - 1.0, seam + period, high + 1.0))
-    polygons = [p for p in shapely.get_parts(flat) if p.geom_type == "Polygon" and p.area > thin**2]
-    rings = [ring for p in polygons for q in [shapely.orient_polygons(p)] for ring in (q.exterior, *q.interiors)]
-    runs = [run for ring in rings for run in _runs(np.asarray(ring.coords)[:-1], seam, period)]
-    chains = [np.asarray(shapely.LineString(run).simplify(thin).coords) for run in runs]
-    return region_from_loops(radius, loops_from_arcs(radius, _arcs(chains, seam, radius)))
-
-
-def _free_place(shape: Geometry, period: float) -> float:
-    """A kappa in [-period, 0) as far from all corners as can be."""
-    import shapely
-
-    corners = np.sort(np.remainder(shapely.get_coordinates(shape)[:, 0], period))
-    gaps = np.diff(np.append(corners, corners[0] + period))
-    place = float(corners[gaps.argmax()] + 0.5 * gaps.max())
-    return place - period * math.floor(place / period) - period
-
-
-def _arcs(chains: Sequence[Array], seam: float, radius: float) -> list[Arc]:
-    """Lines from corner to corner, each corner a node; ends on the right side of the chart are joined to those on the left."""
-    arcs: list[Arc] = []
-    left: list[tuple[float, int]] = []
-    right: list[tuple[float, int]] = []
-    node = 0
-    for points in chains:
-        closed = bool((points[0] == points[-1]).all())
-        if closed and len(points) < 4:
-            continue
-        nodes = list(range(node, node + len(points)))
-        node += len(points)
-        if closed:
-            nodes[-1] = nodes[0]
-        else:
-            for k in (0, -1):
-                side = left if abs(points[k, 0] - seam) < 0.25 * TURN * radius else right
-                side.append((float(points[k, 1]), nodes[k]))
-        pairs = zip(points[:-1], points[1:], nodes[:-1], nodes[1:], strict=True)
-        arcs += [Arc(curve=LineCurve(p0=p, p1=q), start=i, end=j) for p, q, i, j in pairs]
-    left, right = sorted(left), sorted(right)
-    if len(left) != len(right) or any(abs(a - b) > SAME_PLACE for (a, _), (b, _) in zip(left, right, strict=True)):
-        raise LayerError(f"the grown outline at radius {radius:g} mm does not close over the seam")
-    same = {j: i for (_, i), (_, j) in zip(left, right, strict=True)}
-    return [replace(arc, start=same.get(arc.start, arc.start), end=same.get(arc.end, arc.end)) for arc in arcs]
-
-
-def _runs(ring: Array, seam: float, period: float) -> list[Array]:
-    """Stretches (n, 2) of a closed ring that do not run along a side of the chart; a closed one repeats its first point."""
-    following = np.roll(ring, -1, axis=0)
-    on = np.abs(np.abs(ring[:, 0] - seam - 0.5 * period) - 0.5 * period) < 1e-9
-    after = np.abs(np.abs(following[:, 0] - seam - 0.5 * period) - 0.5 * period) < 1e-9
-    along = on & after & (np.abs(following[:, 0] - ring[:, 0]) < 1e-9)
-    if not along.any():
-        return [np.concatenate([ring, ring[:1]])]
-    # begin behind a segment along a side, then cut at every other one
-    first = int(np.flatnonzero(along)[0]) + 1
-    ring, along = np.roll(ring, -first, axis=0), np.roll(along, -first)
-    cuts = np.flatnonzero(along)
-    return [part for part in np.split(ring, cuts + 1) if len(part) > 1]
+    loops = []
+    for points, winding in stitched_outlines(shape, first=-period, period=period, thin=thin, spot=thin**2):
+        lines = tuple(LineCurve(p0=p, p1=q) for p, q in itertools.pairwise(points))
+        loops.append(Loop(curves=lines, radius=radius, winding=winding))
+    return region_from_loops(radius, loops)

@@ -41,7 +41,7 @@ def band_between(piece: Piece, low: float, high: float, *, chord: float) -> Poly
     shell = shapely.Polygon(np.concatenate([lower, upper]))
     flat = shell.intersection(window) if shell.is_valid else _folded_band(lower, upper, window)
     holes = [
-        shapely.Polygon(hole.shifted(turns).sample(chord)) for hole in piece.holes for turns in _lifts_between(hole, low, high)
+        shapely.Polygon(hole.shifted(turns).sample(chord)) for hole in piece.holes for turns in lifts_between(hole, low, high)
     ]
     return _polygonal(flat.difference(shapely.union_all(holes)) if holes else flat)
 
@@ -77,7 +77,7 @@ def _polygonal(shape: Geometry) -> Polygon | MultiPolygon:
     return parts[0] if len(parts) == 1 else shapely.MultiPolygon(parts)
 
 
-def _lifts_between(loop: Loop, low: float, high: float) -> range:
+def lifts_between(loop: Loop, low: float, high: float) -> range:
     """The turns by which a loop can be moved so that it overlaps [low, high] in kappa."""
     k0, _, k1, _ = loop.bounds()
     period = loop.period

@@ -85,6 +85,20 @@ def test_a_strip_longer_than_a_turn_is_one_piece():
     assert strip.area == pytest.approx(2.5 * TURN)
 
 
+def test_a_sliver_that_samples_do_not_show_holds_no_hole():
+    # there and back on one line: rounding leaves it an area of 3e-17
+    back = [
+        (5.368224535209513, 2.7141107080611255),
+        (5.259986644886235, 2.0537582476647738),
+        (5.414612202490917, 2.997118905373848),
+    ]
+    sliver = [*back, (5.306374312167639, 2.336766444977496)]
+    loop = Loop(curves=tuple(LineCurve(p0=sliver[i], p1=sliver[(i + 1) % 4]) for i in range(4)), radius=R)
+    region = region_from_loops(R, [rectangle(0.0, 0.0, 20.0, 20.0), rectangle(8.0, 8.0, 12.0, 12.0, hole=True), loop])
+    assert region.area == pytest.approx(384.0)
+    assert sorted(len(piece.holes) for piece in region.pieces)[-1] == 1
+
+
 def test_what_lies_over_itself():
     assert overlapping_area(region_from_loops(R, [])) == 0.0
     band, square = ring(0.0, 40.0), rectangle(10.0, 50.0, 30.0, 60.0)

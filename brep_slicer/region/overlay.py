@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from brep_slicer.curves import Curve
+from brep_slicer.curves import Curve, Loop
 from brep_slicer.errors import LayerError
 from brep_slicer.maps import Array
 from brep_slicer.section.chain import Arc, loops_from_arcs
@@ -160,9 +160,14 @@ class _Overlay:
                 if reverse
                 else Arc(curve=curve, start=cut.start, end=cut.end)
             )
-        region = region_from_loops(self.radius, loops_from_arcs(self.radius, arcs))
+        # what is no wider than a node is a scrap of how the outlines were met
+        loops = [loop for loop in loops_from_arcs(self.radius, arcs) if loop.winding or not self._is_scrap(loop)]
+        region = region_from_loops(self.radius, loops)
         self._check(region, union)
         return region
+
+    def _is_scrap(self, loop: Loop) -> bool:
+        return 2.0 * abs(loop.signed_area()) <= NODE * self.touch * loop.length()
 
     def _cut(self, first: bool, nodes: Iterator[int]) -> list[_Cut]:
         """One region's curves in pieces; a loop's curves share the nodes between them."""

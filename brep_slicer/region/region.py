@@ -104,7 +104,8 @@ def region_from_loops(radius: float, loops: Iterable[Loop]) -> Region:
     holes = [loop for loop, area in zip(flat, areas, strict=True) if area <= 0.0]
     bands = _paired_bands([loop for loop in loops if loop.winding != 0])
     shapes = [_nesting_polygon(loop) for loop in outers] if holes else []
-    order = sorted(range(len(shapes)), key=lambda i: shapes[i].area)
+    # a sliver that its samples do not show holds none
+    order = sorted((i for i, shape in enumerate(shapes) if not shape.is_empty), key=lambda i: shapes[i].area)
     found: dict[int, list[Loop]] = {}
     for hole in holes:
         probe = shapely.Point(hole.curves[0].points(np.array([0.5]))[0])

@@ -10,12 +10,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import brep_slicer as bs
 from brep_slicer.curves import LineCurve, Loop, SinusoidCurve
 from brep_slicer.fill import Contours, Hatch, PatternSequence, Rings, Skeleton, Spiral, Zigzag, fill_region
-from brep_slicer.fill.distance import Outline
+from brep_slicer.fill.distance import Outline, ends_at_inset
 from brep_slicer.fill.full_turn import closing_lines
 from brep_slicer.proof import coverage_of
 from brep_slicer.region import Region, region_from_loops
+from brep_slicer.section import cut_solids
 
 R = 20.0
 TURN = 2.0 * math.pi * R
@@ -237,3 +239,37 @@ def test_a_contour_under_leaning_blades_is_one_line_all_the_way_round():
     # it errs inwards by the chord and that of the round corners
     assert at(0.5 * W + 2.0 * ARGS["chord"]) < upper.length() < at(0.5 * W)
     assert upper.points[-1] - upper.points[0] == pytest.approx([-TURN, 0.0], abs=1e-9)
+
+
+@pytest.mark.parametrize("name", ["drilled_tube", "oblique_tube", "keyed_band", "wind_blade", "helical_gear_tooth"])
+def test_distances_from_exact_outlines_are_those_from_fine_samples(name, fixture_step):
+    import shapely
+
+    part = bs.read_step(fixture_step(name))
+    (solid,) = cut_solids(part, bs.axis_from_text("Z"))
+    low, high = solid.critical.lowest, solid.critical.highest
+    for layer in bs.slice_part(part, [low + share * (high - low) for share in (0.3, 0.7)], axis="Z"):
+        for piece in layer.region.pieces:
+            k0, v0, k1, v1 = piece.bounds()
+            points = np.random.default_rng(3).uniform([k0 - 2.0, v0 - 2.0], [k1 + 2.0, v1 + 2.0], (4000, 2))
+            fine = 1e-6
+            copies = [
+                loop.shifted(k).sample(fine) for loop in piece.loops for k in ((-2, -1, 0, 1, 2) if piece.winds else (0,))
+            ]
+            truth = shapely.MultiLineString([shapely.LineString(points) for points in copies])
+            shapely.prepare(truth)
+            found, away = Outline(piece, 1.5).distances(points)
+            wanted = shapely.distance(truth, shapely.points(points))
+            # where a curve bends round a point its feet are found slowly: well beyond an inset that does not matter
+            assert np.abs(found - wanted)[wanted < 3.0].max() < 2.0 * fine
+            assert np.abs(found - wanted).max() < 1e-3
+            assert np.hypot(*away.T) == pytest.approx(1.0, abs=1e-9)
+
+
+def test_ends_do_not_slide_across_the_outline():
+    outline = Outline(leaning().pieces[0], 1.5)
+    start, way = np.array([[26.0, 17.9]]), np.array([[math.sin(0.02), math.cos(0.02)]])
+    for limit in (1.0, 3.0, 30.0):
+        (end,) = ends_at_inset(outline, start, way, inset=1.5, limit=limit)
+        assert end[1] < 20.0
+        assert outline.distances(end[None])[0][0] == pytest.approx(1.5, abs=1e-9)

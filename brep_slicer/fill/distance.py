@@ -5,14 +5,21 @@ In: points in the plane, the curves of a piece. Out: distances and the direction
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from brep_slicer.curves import Curve, LineCurve
 from brep_slicer.maps import Array
 from brep_slicer.region import Piece, lifts_between
 
-# Feet on curved curves are sought from samples at this share of the distance that matters, then polished by Newton.
+# Feet on curved curves are sought from chords within this share of the distance that matters, then polished by Newton.
 SEARCH_SHARE = 0.05
+
+# How often a step that leads away from a point is halved.
+HALVINGS = 6
+# An end slides by no more than this share of its distance from the outline at a time.
+MOST_OF_GAP = 0.9
 
 
 class Outline:
@@ -30,11 +37,18 @@ class Outline:
         self.curved: list[Curve] = [c for c in curves if not isinstance(c, LineCurve)]
         self.period = piece.outer[0].period if piece.winds else 0.0
         self.cut = float(piece.outer[0].curves[0].start[0]) if piece.winds else 0.0
-        chord = SEARCH_SHARE * reach
-        parameters = [_dense(c, chord) for c in self.curved]
-        self.samples = np.concatenate([np.zeros((0, 2)), *(c.points(s) for c, s in zip(self.curved, parameters, strict=True))])
-        self.sample_curve = np.repeat(np.arange(len(self.curved)), [len(s) for s in parameters])
-        self.sample_s = np.concatenate([np.zeros(0), *parameters])
+        self.chord = SEARCH_SHARE * reach
+        parameters = [_dense(c, self.chord) for c in self.curved]
+        drawn = [c.points(s) for c, s in zip(self.curved, parameters, strict=True)]
+        self.spans = np.concatenate([np.zeros((0, 2, 2)), *(np.stack([p[:-1], p[1:]], axis=1) for p in drawn)])
+        self.span_curve = np.repeat(np.arange(len(self.curved)), [len(s) - 1 for s in parameters])
+        self.span_s = np.concatenate([np.zeros((0, 2)), *(np.stack([s[:-1], s[1:]], axis=-1) for s in parameters)])
+
+    @cached_property
+    def _tree(self):
+        import shapely
+
+        return shapely.STRtree(shapely.linestrings(self.spans))
 
     def distances(self, points: Array) -> tuple[Array, Array]:
         """Distance (n,) in mm to the nearest curve, and the unit direction (n, 2) away from it."""
@@ -46,30 +60,34 @@ class Outline:
         foot = np.zeros((len(q), 2))
         if len(self.p0):
             best, foot = _nearest_on_segments(q, self.p0, self.p1)
-        for feet in self._curved_feet(q):
-            gap = np.hypot(*(q - feet).T)
-            closer = gap < best
-            best = np.where(closer, gap, best)
-            foot = np.where(closer[:, None], feet, foot)
+        if len(self.spans):
+            rows, feet = self._curved_feet(q, best)
+            gaps = np.hypot(*(q[rows] - feet).T)
+            # of several feet of one point the nearest comes first, and counts
+            order = np.lexsort((gaps, rows))
+            rows, at = np.unique(rows[order], return_index=True)
+            nearer = gaps[order[at]] < best[rows]
+            best[rows[nearer]], foot[rows[nearer]] = gaps[order[at[nearer]]], feet[order[at[nearer]]]
         away = q - foot
         return best, away / np.maximum(best, 1e-300)[:, None]
 
-    def _curved_feet(self, q: Array):
-        """Feet of the perpendiculars on the curved curves, from the two nearest samples (n, 2) each."""
-        if not len(self.samples):
-            return
-        from scipy.spatial import cKDTree
+    def _curved_feet(self, q: Array, best: Array) -> tuple[Array, Array]:
+        """Feet (m, 2) on the curved curves, and of which points: from each chord that may be nearest, nearer than `best`."""
+        import shapely
 
-        count = min(2, len(self.samples))
-        _, near = cKDTree(self.samples).query(q, k=count)
-        near = near.reshape(len(q), count)
-        for column in range(count):
-            index = near[:, column]
-            feet = np.empty_like(q)
-            for number in np.unique(self.sample_curve[index]):
-                mask = self.sample_curve[index] == number
-                feet[mask] = _feet(self.curved[int(number)], self.sample_s[index[mask]], q[mask])
-            yield feet
+        points = shapely.points(q)
+        (_, _), reach = self._tree.query_nearest(points, return_distance=True, all_matches=False)
+        asked = np.flatnonzero(reach - self.chord < best)
+        found, spans = self._tree.query(points[asked], predicate="dwithin", distance=reach[asked] + 2.0 * self.chord)
+        rows = asked[found]
+        a, along = self.spans[spans, 0], self.spans[spans, 1] - self.spans[spans, 0]
+        share = np.einsum("ij,ij->i", q[rows] - a, along) / np.maximum(np.einsum("ij,ij->i", along, along), 1e-300)
+        s = self.span_s[spans, 0] + np.clip(share, 0.0, 1.0) * (self.span_s[spans, 1] - self.span_s[spans, 0])
+        feet = np.empty((len(rows), 2))
+        for number in np.unique(self.span_curve[spans]):
+            mask = self.span_curve[spans] == number
+            feet[mask] = _feet(self.curved[int(number)], s[mask], q[rows[mask]])
+        return rows, feet
 
 
 def _dense(curve: Curve, chord: float) -> Array:
@@ -78,22 +96,33 @@ def _dense(curve: Curve, chord: float) -> Array:
 
 
 def _feet(curve: Curve, s: Array, q: Array) -> Array:
-    """Newton on (q - c(s)).c'(s) = 0, kept in [0, 1]; the curvature is taken by a central difference."""
+    """Newton on (q - c(s)).c'(s) = 0 in [0, 1], never away from q; the curvature is taken by a central difference."""
     h = 1e-5
+    p, d = curve.points(s), curve.derivatives(s)
+    gap = np.hypot(*(q - p).T)
     for _ in range(12):
-        p, d = curve.points(s), curve.derivatives(s)
         inner = np.clip(s, h, 1.0 - h)
         bend = (curve.derivatives(inner + h) - curve.derivatives(inner - h)) / (2.0 * h)
         square = np.maximum(np.einsum("ij,ij->i", d, d), 1e-300)
         slope = square - np.einsum("ij,ij->i", q - p, bend)
         step = np.einsum("ij,ij->i", q - p, d) / np.where(slope > 0.1 * square, slope, square)
         new = np.clip(s + step, 0.0, 1.0)
+        for _ in range(HALVINGS):
+            p = curve.points(new)
+            worse = np.hypot(*(q - p).T) > gap
+            if not worse.any():
+                break
+            new = np.where(worse, 0.5 * (s + new), new)
+        p = curve.points(new)
+        reached = np.hypot(*(q - p).T)
+        new = np.where(reached > gap, s, new)
         # the distance is stationary at its foot: an error e in s changes it by e**2
         done = np.abs(new - s).max(initial=0.0) < 1e-9
-        s = new
+        s, gap = new, np.minimum(reached, gap)
+        p, d = curve.points(s), curve.derivatives(s)
         if done:
             break
-    return curve.points(s)
+    return p
 
 
 def _nearest_on_segments(q: Array, p0: Array, p1: Array) -> tuple[Array, Array]:
@@ -134,7 +163,8 @@ def ends_at_inset(outline: Outline, points: Array, outwards: Array, *, inset: fl
             break
         rate = np.einsum("ij,ij->i", away, outwards)
         rate = np.where(rate < -1e-3, rate, -1e-3)
-        moved = np.clip(moved + (inset - gap) / rate, 0.0, limit)
+        # less than the gap at a time: an end does not step over the outline to where it is as far away on the other side
+        moved = np.clip(moved + np.minimum((inset - gap) / rate, MOST_OF_GAP * gap), 0.0, limit)
     gap, _ = outline.distances(points + moved[:, None] * outwards)
     moved = np.where(gap >= inset - 1e-10, moved, best)
     return points + moved[:, None] * outwards

@@ -218,6 +218,22 @@ def test_as_shapely_does_where_corners_and_edges_fall_together(one, other, scale
         assert result.area == pytest.approx(truth.area, abs=1e-6 * scale)
 
 
+def test_sharp_corners_that_cross_behind_other_corners():
+    one = region_from_loops(R, [chain([(-18.0, -6.0), (7.0, 0.0), (8.0, 17.0)])])
+    other = region_from_loops(R, [chain([(31.0, -6.0), (7.0, 11.0), (4.0, -11.0)])])
+    truth = shapely.union_all([r.to_shapely() for r in (one, other)]).area
+    assert union_of_regions(R, [one, other]).area == pytest.approx(truth, rel=1e-12)
+    # a spike between two places where a line is drawn: nearest to both is the edge that runs along it
+    spike = region_from_loops(
+        R, [chain([(-40.0, -5.0), (40.0, -5.0), (40.0, 0.0), (9.01, 0.0), (9.0, 3.0), (8.99, 0.0), (-40.0, 0.0)])]
+    )
+    strip = region_from_loops(R, [chain([(-40.0, 1.0), (40.0, 1.0), (40.0, 2.0), (-40.0, 2.0)])])
+    truth = shapely.union_all([r.to_shapely() for r in (spike, strip)]).area
+    both = union_of_regions(R, [spike, strip])
+    assert both.area == pytest.approx(truth, rel=1e-12)
+    assert len(both.pieces) == 1
+
+
 def test_solids_that_cross_touch_and_coincide():
     bd = pytest.importorskip("build123d")
     ring = bd.Cylinder(20, 30) - bd.Cylinder(10, 30)

@@ -3,8 +3,9 @@
 In: a curve, an outline, how near counts as touching. Out: stretches of the curve's parameter.
 
 A span of the curve lies within a *deviation* of the polyline through five of its points. If that polyline is farther from the
-outline than a touch and the deviation together, the span does not touch it, nor does it if the five points, measured to the
-true curve that runs beside them on one side, are; what this does not rule out is halved, and the deviation is quartered.
+outline than a touch and the deviation together, the span does not touch it. Nor does it if all that is nearer to the polyline
+runs beside it, on one side and farther away than a touch when measured to the true curve. What neither rules out is halved, and
+the deviation is quartered.
 """
 
 from __future__ import annotations
@@ -44,10 +45,11 @@ def contacts(curve: Curve, outline: Outline, marks: Array, touch: float, chord: 
         maybe = outline.distances_from(points) <= touch + deviation + chord
         a, b, points = a[maybe], b[maybe], points[maybe]
         at = outline.nearest(points.reshape(-1, 2))
-        gaps, which, sides = (column.reshape(-1, len(SHARES)) for column in (at.distances, at.curves, at.sides))
-        beside = (which == which[:, :1]).all(axis=1) & (np.abs(sides.sum(axis=1)) == len(SHARES))
-        maybe = (gaps.min(axis=1, initial=np.inf) <= touch + BESIDE * deviation) | ~beside
-        a, b, points, gaps = a[maybe], b[maybe], points[maybe], gaps[maybe]
+        gaps = at.distances.reshape(-1, len(SHARES))
+        apart = np.flatnonzero(gaps.min(axis=1, initial=np.inf) > touch + BESIDE * deviation)
+        clear = np.zeros(len(a), dtype=bool)
+        clear[apart] = outline.runs_beside(points[apart], at.rows(apart, len(SHARES)), touch + deviation + chord)
+        a, b, points, gaps = a[~clear], b[~clear], points[~clear], gaps[~clear]
         short = np.hypot(*np.moveaxis(np.diff(points, axis=1), -1, 0)).sum(axis=1) < SHORTEST * touch
         within = np.where(short, gaps[:, 2] <= touch, (gaps <= touch).all(axis=1))
         near.append(np.stack([a, b], axis=-1)[within])

@@ -30,6 +30,8 @@ COARSE, REFINED, NEAR = 1e-3, 100.0, 4.0
 MAXIMUM_HALVINGS = 40
 # Steps of Gauss-Newton from the nearest segment to the nearest place on its curve.
 PROJECTIONS = 3
+# A curve goes on beyond the end of what runs beside it: so many times as far as it is looked for.
+GOES_ON = 4.0
 # Points that are tested against all segments at once: what bounds the memory.
 AT_ONCE = 64
 
@@ -42,6 +44,10 @@ class Nearest(NamedTuple):
     parameters: Array
     directions: Array
     sides: Array
+
+    def rows(self, lines: Array, size: int) -> Nearest:
+        """Of points that come `size` at a time, those with the numbers `lines` (n,); each column is then (n, size, ...)."""
+        return Nearest(*(column.reshape(-1, size, *column.shape[1:])[lines] for column in self))
 
 
 class Outline:
@@ -121,22 +127,54 @@ class Outline:
             size = np.hypot(*tangents.T)
             clear = np.isfinite(size) & (size > 0.0)
             directions[rows[clear]] = tangents[clear] / size[clear, None]
-        sides = np.sign(directions[:, 0] * offsets[:, 1] - directions[:, 1] * offsets[:, 0])
         distances = np.minimum(np.hypot(*offsets.T), REACH * self.period)
+        sides = np.sign(directions[:, 0] * offsets[:, 1] - directions[:, 1] * offsets[:, 0])
         return Nearest(distances, number[found], at, directions, sides)
 
     def distances_from(self, polylines: Array) -> Array:
         """Distance (n,) of polylines (n, k, 2), each no wider than REACH of a turn, from the outline; cut to REACH as well."""
         import shapely
 
-        lines = np.array(polylines, dtype=float)
-        middle = 0.5 * (lines[:, 0, 0] + lines[:, -1, 0])
-        lines[..., 0] -= (_turns(middle, self.period) * self.period)[:, None]
+        lines = self._in_the_window(polylines)
         _, distance = self._tree.query_nearest(shapely.linestrings(lines), return_distance=True, all_matches=False)
         return np.minimum(distance, REACH * self.period)
 
+    def _in_the_window(self, polylines: Array) -> Array:
+        lines = np.array(polylines, dtype=float)
+        middle = 0.5 * (lines[:, 0, 0] + lines[:, -1, 0])
+        lines[..., 0] -= (_turns(middle, self.period) * self.period)[:, None]
+        return lines
+
+    def runs_beside(self, polylines: Array, at: Nearest, reach: float) -> Array:
+        """For which polylines (n, k, 2) all of the outline within `reach` mm of them is one stretch of one curve, on one side.
+
+        It is the stretch between the places `at` (n, k) nearest to their corners, and what goes on at its ends.
+        """
+        import shapely
+
+        low, high = at.parameters.min(axis=1), at.parameters.max(axis=1)
+        # beyond a curve's end its side tells nothing
+        beside = (at.curves == at.curves[:, :1]).all(axis=1) & (low > 0.0) & (high < 1.0)
+        beside &= np.abs(at.sides.sum(axis=1)) == polylines.shape[1]
+        asked = np.flatnonzero(beside)
+        lines = self._in_the_window(polylines[asked])
+        line, found = self._tree.query(shapely.linestrings(lines), predicate="dwithin", distance=reach)
+        a, b, number, s, _ = (column[found] for column in self._segments)
+        rows = asked[line]
+        between = (s.min(axis=1) <= high[rows]) & (s.max(axis=1) >= low[rows])
+        corners = lines[line][:, [0, -1]]
+        ends = np.stack([np.hypot(*np.moveaxis(p[:, None] - corners, -1, 0)) for p in (a, b)]).min(axis=0)
+        goes_on = np.any(ends <= at.distances[rows][:, [0, -1]] + GOES_ON * reach, axis=1)
+        other = (number != at.curves[rows, 0]) | ~(between | goes_on)
+        beside[rows[other]] = False
+        return beside
+
     def contains(self, points: Array) -> Array:
-        """Which of `points` (n, 2) have metal round them, (n,) of bool: the outline below each, counted with its direction."""
+        """Which of `points` (n, 2) have metal round them, (n,) of bool."""
+        return self.layers(points) > 0
+
+    def layers(self, points: Array) -> Array:
+        """How often the region holds each of `points` (n, 2): the outline below each, counted with its direction."""
         points = np.asarray(points, dtype=float).reshape(-1, 2)
         below = np.zeros(len(points), dtype=int)
         first = 0
@@ -146,7 +184,7 @@ class Outline:
             chain = np.concatenate([*parts, parts[0][:1] + np.array([[loop.winding * self.period, 0.0]])])
             for i in range(0, len(points), AT_ONCE):
                 below[i : i + AT_ONCE] += crossings_below(chain, points[i : i + AT_ONCE], self.period)
-        return below > 0
+        return below
 
 
 def spaced_parameters(curve: Curve, chord: float, period: float) -> Array:

@@ -309,9 +309,9 @@ class _Overlay:
         free = (a.nearest(points).distances > self.touch) & (b.nearest(points).distances > self.touch)
         in_a, in_b = a.contains(points[free]), b.contains(points[free])
         wanted = in_a | in_b if union else in_a & ~in_b
-        has = result.contains(points[free])
-        if np.any(has != wanted):
-            raise LayerError(f"metal at {int(np.sum(has != wanted))} of {len(wanted)} probed places is wrong")
+        wrong = int(np.sum(result.layers(points[free]) != wanted))
+        if wrong:
+            raise LayerError(f"metal at {wrong} of {len(wanted)} probed places is wrong")
 
 
 def _groups(names: list[int], pairs: list[tuple[int, int]]) -> dict[int, int]:

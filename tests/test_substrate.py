@@ -97,3 +97,91 @@ class TestDefaultSubstrate:
     def test_outside_of_the_part(self, fixture_step):
         with pytest.raises(bs.InputError, match="leaves nothing to build"):
             bs.plan(bs.read_step(fixture_step("cylinder")), bs.Process(layer_thickness=1.0, step_over=1.0), substrate=10.0)
+
+
+class TestWhatMetalStandsOn:
+    """Turned bars (radius, from z, to z) with lugs: the substrate is the largest cylinder that metal stands on."""
+
+    SHAFT, FLANGES = (20.0, -60.0, 80.0), ((45.0, -20.0, -10.0), (45.0, 30.0, 40.0))
+
+    @staticmethod
+    def bar(radius, low, high):
+        from OCP.BRepPrimAPI import BRepPrimAPI_MakeCylinder
+        from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
+
+        return BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(0, 0, low), gp_Dir(0, 0, 1)), radius, high - low).Solid()
+
+    @staticmethod
+    def box(low, high):
+        from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
+        from OCP.gp import gp_Pnt
+
+        return BRepPrimAPI_MakeBox(gp_Pnt(*low), gp_Pnt(*high)).Solid()
+
+    def united(self, *shapes):
+        from OCP.BRepAlgoAPI import BRepAlgoAPI_Fuse
+
+        out = shapes[0]
+        for shape in shapes[1:]:
+            out = BRepAlgoAPI_Fuse(out, shape).Shape()
+        return out
+
+    def lug(self):
+        from OCP.BRepAlgoAPI import BRepAlgoAPI_Common
+
+        return BRepAlgoAPI_Common(self.bar(30.0, 5.0, 15.0), self.box((15.0, -12.0, 5.0), (35.0, 12.0, 15.0))).Shape()
+
+    def chosen(self, *shapes):
+        return bs.find_substrate(bs.as_part(self.united(*shapes)), Z, reach={0: 45.0})
+
+    def bars(self, *bars):
+        return [self.bar(*b) for b in bars]
+
+    def test_the_turned_top_of_a_lug_is_none(self):
+        found = self.chosen(*self.bars(self.SHAFT, *self.FLANGES), self.lug())
+        assert found.radius == pytest.approx(20.0)
+        assert "that metal stands on" in found.reason
+        assert found.warnings == ()
+
+    def test_a_pin_on_the_lug_makes_it_doubtful(self):
+        pin = self.box((28.0, -2.0, 8.0), (34.0, 2.0, 12.0))
+        found = self.chosen(*self.bars(self.SHAFT, *self.FLANGES), self.lug(), pin)
+        assert found.radius == pytest.approx(30.0)
+        assert "is it --substrate 20?" in found.warnings[0]
+
+    @pytest.mark.parametrize(
+        ("bars", "radius"),
+        [
+            (((20.0, -60.0, 80.0), (30.0, 0.0, 20.0), (45.0, 40.0, 60.0)), 20.0),
+            (((20.0, -60.0, 80.0), (30.0, 0.0, 20.0), (45.0, 20.0, 30.0)), 30.0),
+            # relief grooves on either side of the flange, above an end of R 15
+            (((15.0, -90.0, 90.0), (20.0, -60.0, -2.0), (19.5, -2.0, 12.0), (45.0, 0.0, 10.0), (20.0, 12.0, 80.0)), 20.0),
+        ],
+        ids=["apart", "on each other", "relief grooves"],
+    )
+    def test_steps(self, bars, radius):
+        found = self.chosen(*self.bars(*bars))
+        assert found.radius == pytest.approx(radius)
+        assert found.warnings == ()
+
+    def test_other_solids_that_touch_it(self):
+        from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
+
+        from brep_slicer.kernel.shapes import compound
+
+        shaft, collar, ring = (self.bar(*b) for b in (self.SHAFT, (30.0, 5.0, 15.0), self.FLANGES[0]))
+        parts = [shaft, *(BRepAlgoAPI_Cut(x, shaft).Shape() for x in (collar, ring))]
+        found = bs.find_substrate(bs.as_part(compound(parts)), Z, reach={0: 20.0, 1: 30.0, 2: 45.0})
+        assert found.radius == pytest.approx(20.0)
+        assert found.solids == (0,)
+
+    def test_none_is_told_of(self):
+        # a ring that floats over the shaft touches nothing
+        from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
+
+        from brep_slicer.kernel.shapes import compound
+
+        ring = BRepAlgoAPI_Cut(self.bar(*self.FLANGES[0]), self.bar(25.0, -30.0, 0.0)).Shape()
+        found = bs.find_substrate(bs.as_part(compound([self.bar(*self.SHAFT), ring])), Z, reach={0: 20.0, 1: 45.0})
+        assert found.radius == pytest.approx(20.0)
+        assert "no metal is seen to stand on R 20" in found.warnings[0]

@@ -64,7 +64,7 @@ def axis_votes(solid: Any) -> list[AxisVote]:
     for index, shape in enumerate(sub_shapes(solid, TopAbs_FACE)):
         face = as_face(shape)
         surface = BRepAdaptor_Surface(face, True)
-        area = _area(face)
+        area = area_of(face)
         vote = _elementary(index, surface, area, face) or _recognised(index, surface, area, face)
         if vote is None and surface.GetType() != GeomAbs_Plane:
             vote = _screw(index, surface, area, face)
@@ -82,7 +82,8 @@ def surface_kinds(solid: Any) -> dict[str, int]:
     return counts
 
 
-def _area(face: Any) -> float:
+def area_of(face: Any) -> float:
+    """A face's area, mm**2."""
     properties = GProp_GProps()
     BRepGProp.SurfaceProperties_s(face, properties)
     return abs(float(properties.Mass()))
@@ -115,7 +116,7 @@ def _elementary(index: int, surface: Any, area: float, face: Any) -> AxisVote | 
 
 def _cylinder_vote(index: int, cylinder: Any, area: float, surface: Any, face: Any, *, exact: bool = False) -> AxisVote:
     axis = cylinder.Axis()
-    points, normals = _sampled(surface, face)
+    points, normals = sampled(surface, face)
     arm = points - _xyz(axis.Location())
     direction = _xyz(axis.Direction())
     across = arm - np.outer(arm @ direction, direction)
@@ -150,8 +151,8 @@ def _recognised(index: int, surface: Any, area: float, face: Any) -> AxisVote | 
     return None
 
 
-def _sampled(surface: Any, face: Any, count: int = 12) -> tuple[np.ndarray, np.ndarray]:
-    """Points on the face (inside of its trimming where any are) and outward normals, each (n, 3)."""
+def sampled(surface: Any, face: Any, count: int = 12, *, strict: bool = False) -> tuple[np.ndarray, np.ndarray]:
+    """Points on the face (inside of its trimming where any are, or always if `strict`) and outward normals, each (n, 3)."""
     bounds = (surface.FirstUParameter(), surface.LastUParameter(), surface.FirstVParameter(), surface.LastVParameter())
     inside = BRepClass_FaceClassifier()
     sign = -1.0 if face.Orientation() == TopAbs_REVERSED else 1.0
@@ -168,14 +169,14 @@ def _sampled(surface: Any, face: Any, count: int = 12) -> tuple[np.ndarray, np.n
             held.append(inside.State() in (TopAbs_IN, TopAbs_ON))
     normals = np.cross(along_u, along_v)
     size = np.linalg.norm(normals, axis=1)
-    chosen = np.array(held) if any(held) else np.ones(len(points), dtype=bool)
+    chosen = np.array(held) if strict or any(held) else np.ones(len(points), dtype=bool)
     chosen &= size > 0.0
     return np.array(points)[chosen], sign * normals[chosen] / size[chosen, None]
 
 
 def _screw(index: int, surface: Any, area: float, face: Any) -> AxisVote | None:
     """Fit the screw motion whose velocity c' + c x p is tangent to the face: c.(p x n) + c'.n = 0 in least squares."""
-    points, normals = _sampled(surface, face)
+    points, normals = sampled(surface, face)
     if len(points) < 8:
         return None
     centre = points.mean(axis=0)

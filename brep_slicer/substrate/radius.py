@@ -21,6 +21,9 @@ SAME_RADIUS = 1e-5
 # less: more than lands in files deviate from their cylinder.
 BEYOND, BEYOND_SHARE = 1e-2, 1e-3
 
+# A land covers the whole turn when its faces do to this (rad).
+WHOLE_TURN = 2.0 * np.pi - 1e-6
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CylinderCandidate:
@@ -47,23 +50,49 @@ def beyond(radius: float) -> float:
     return min(BEYOND, BEYOND_SHARE * radius)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Land:
+    """A candidate with its faces, {solid: numbers of faces}, and the angle (rad) that they cover together."""
+
+    candidate: CylinderCandidate
+    faces: dict[int, list[int]]
+    turn: float
+
+
 def coaxial_cylinders(part: Part, axis: Axis) -> list[CylinderCandidate]:
     """The part's cylinders about `axis`, the largest radius first; faces of one cylinder are counted together."""
+    return [land.candidate for land in _lands(part, axis)]
+
+
+def _lands(part: Part, axis: Axis) -> list[_Land]:
     from brep_slicer.kernel.revolutes import axis_votes
 
-    found: list[list] = []
+    found: list[list[tuple]] = []
     for solid in part.solids:
         for vote in axis_votes(solid.wrapped):
             if vote.radius is None or not _is_coaxial(vote, axis):
                 continue
-            home = next((f for f in found if abs(f[0] - vote.radius) <= SAME_RADIUS and f[2] == (vote.outward > 0)), None)
-            if home is None:
-                found.append([vote.radius, vote.area, vote.outward > 0, {solid.index}])
-            else:
-                home[1] += vote.area
-                home[3].add(solid.index)
-    made = [CylinderCandidate(radius=f[0], area=f[1], external=f[2], solids=tuple(sorted(f[3]))) for f in found]
-    return sorted(made, key=lambda c: -c.radius)
+            home = next((f for f in found if _same_cylinder(f[0][1], vote)), None)
+            found.append([(solid.index, vote)]) if home is None else home.append((solid.index, vote))
+    return sorted((_land(votes) for votes in found), key=lambda land: -land.candidate.radius)
+
+
+def _same_cylinder(a, b) -> bool:
+    return abs(a.radius - b.radius) <= SAME_RADIUS and (a.outward > 0) == (b.outward > 0)
+
+
+def _land(votes: list[tuple]) -> _Land:
+    first = votes[0][1]
+    faces: dict[int, list[int]] = {}
+    for index, vote in votes:
+        faces.setdefault(index, []).append(vote.face)
+    candidate = CylinderCandidate(
+        radius=first.radius,
+        area=sum(vote.area for _, vote in votes),
+        external=first.outward > 0,
+        solids=tuple(sorted(faces)),
+    )
+    return _Land(candidate=candidate, faces=faces, turn=sum(vote.turn for _, vote in votes))
 
 
 def _is_coaxial(vote, axis: Axis) -> bool:
@@ -81,7 +110,10 @@ def find_substrate(
     radius: float | None = None,
     solids: Sequence[int] | None = None,
 ) -> Substrate:
-    """The cylinder to build on.
+    """The cylinder to build on: by default the largest external coaxial one that metal stands on.
+
+    Metal stands on a cylinder where another face rises from an edge of its faces (or of a relief groove in them), or where
+    another solid that reaches farther out touches them; metal beyond its radius elsewhere on the part does not count.
 
     Parameters
     ----------
@@ -103,7 +135,8 @@ def find_substrate(
         If the part has no cylinder to build on.
     """
     highest = max(reach.values())
-    candidates = coaxial_cylinders(part, axis)
+    lands = _lands(part, axis)
+    candidates = [land.candidate for land in lands]
     if radius is not None:
         if not (np.isfinite(radius) and radius > 0.0):
             raise InputError(f"the substrate radius is {radius:g} mm; it must be greater than zero")
@@ -113,11 +146,17 @@ def find_substrate(
                 f" {highest:.6g} mm; give a smaller one (building inwards is not planned)"
             )
         return Substrate(radius=radius, solids=_standing(part, candidates, radius, reach, solids), reason="given")
-    external = [c for c in candidates if c.external and highest > c.radius + beyond(c.radius)]
+    external = [
+        land for land in lands if land.candidate.external and highest > land.candidate.radius + beyond(land.candidate.radius)
+    ]
     if external:
-        chosen = external[0]
-        reason = f"largest external coaxial cylinder with metal beyond it ({_listed(candidates)})"
-        return Substrate(radius=chosen.radius, solids=_standing(part, candidates, chosen.radius, reach, solids), reason=reason)
+        land, rule, warnings = _chosen_land(part, axis, external, reach)
+        return Substrate(
+            radius=land.candidate.radius,
+            solids=_standing(part, candidates, land.candidate.radius, reach, solids),
+            reason=f"{rule} ({_listed(candidates)})",
+            warnings=warnings,
+        )
     bores = [c for c in candidates if not c.external and highest > c.radius + beyond(c.radius)]
     if bores:
         warning = (
@@ -132,6 +171,46 @@ def find_substrate(
     raise PlanningError(
         f"{part.source}: there is no coaxial cylinder with metal beyond it to build on"
         f" ({_listed(candidates)}; the part ends at {highest:.6g} mm); give one with --substrate RADIUS"
+    )
+
+
+def _chosen_land(part: Part, axis: Axis, lands: list[_Land], reach: dict[int, float]) -> tuple[_Land, str, tuple[str, ...]]:
+    """The largest land that metal stands on, the rule in words, and what is doubtful about it."""
+    from brep_slicer.kernel.standing import Lands
+
+    solids = {s.index: Lands(s.wrapped, axis.origin, axis.direction) for s in part.solids}
+    stood_on = (land for land in lands if _stood_on(land, solids, reach))
+    land = next(stood_on, None)
+    if land is None:
+        first = lands[0].candidate.radius
+        doubt = f"no metal is seen to stand on R {first:.6g} itself, only beyond it; give another with --substrate RADIUS"
+        return lands[0], "largest external coaxial cylinder with metal beyond it", (doubt,)
+    rule = "largest external coaxial cylinder that metal stands on"
+    radius, area = land.candidate.radius, land.candidate.area
+    if land.turn > WHOLE_TURN:
+        return land, rule, ()
+    # the flat top of a lug, say, that a pin stands on, above the shaft that all the rest stands on
+    other = next((o.candidate for o in stood_on if o.candidate.area > area), None)
+    if other is None:
+        return land, rule, ()
+    doubt = (
+        f"the substrate R {radius:.6g} ({area:.4g} mm2) does not go all the way round; metal stands on R {other.radius:.6g}"
+        f" ({other.area:.4g} mm2) as well: is it --substrate {other.radius:.6g}?"
+    )
+    return land, rule, (doubt,)
+
+
+def _stood_on(land: _Land, solids: dict, reach: dict[int, float]) -> bool:
+    """Whether metal rises from the land's own edges, or another solid that reaches farther out touches it."""
+    radius = land.candidate.radius
+    margin = beyond(radius)
+    if any(solids[i].stood_on(faces, radius, margin) for i, faces in land.faces.items()):
+        return True
+    return any(
+        solids[i].touched_by(faces, other.solid, margin)
+        for i, faces in land.faces.items()
+        for j, other in solids.items()
+        if j != i and reach[j] > radius + margin
     )
 
 

@@ -21,6 +21,8 @@ SAME_RADIUS = 1e-5
 # less: more than lands in files deviate from their cylinder.
 BEYOND, BEYOND_SHARE = 1e-2, 1e-3
 
+# A substrate of less than this share of the part's radius has no arc lengths to speak of, and no floating point to hold them.
+LEAST_SHARE = 1e-6
 # A land covers the whole turn when its faces do to this (rad).
 WHOLE_TURN = 2.0 * np.pi - 1e-6
 
@@ -138,13 +140,7 @@ def find_substrate(
     lands = _lands(part, axis)
     candidates = [land.candidate for land in lands]
     if radius is not None:
-        if not (np.isfinite(radius) and radius > 0.0):
-            raise InputError(f"the substrate radius is {radius:g} mm; it must be greater than zero")
-        if radius >= highest - beyond(radius):
-            raise InputError(
-                f"{part.source}: the substrate radius {radius:g} mm leaves nothing to build: the part ends at"
-                f" {highest:.6g} mm; give a smaller one (building inwards is not planned)"
-            )
+        _check_given(part, radius, highest)
         return Substrate(radius=radius, solids=_standing(part, candidates, radius, reach, solids), reason="given")
     external = [
         land for land in lands if land.candidate.external and highest > land.candidate.radius + beyond(land.candidate.radius)
@@ -172,6 +168,21 @@ def find_substrate(
         f"{part.source}: there is no coaxial cylinder with metal beyond it to build on"
         f" ({_listed(candidates)}; the part ends at {highest:.6g} mm); give one with --substrate RADIUS"
     )
+
+
+def _check_given(part: Part, radius: float, highest: float) -> None:
+    if not (np.isfinite(radius) and radius > 0.0):
+        raise InputError(f"the substrate radius is {radius:g} mm; it must be greater than zero")
+    if radius < LEAST_SHARE * highest:
+        raise InputError(
+            f"{part.source}: the substrate radius {radius:g} mm is too small to build on: the part ends at {highest:.6g} mm;"
+            " give a larger one"
+        )
+    if radius >= highest - beyond(radius):
+        raise InputError(
+            f"{part.source}: the substrate radius {radius:g} mm leaves nothing to build: the part ends at"
+            f" {highest:.6g} mm; give a smaller one (building inwards is not planned)"
+        )
 
 
 def _chosen_land(part: Part, axis: Axis, lands: list[_Land], reach: dict[int, float]) -> tuple[_Land, str, tuple[str, ...]]:

@@ -16,7 +16,7 @@ from typing import Any
 from brep_slicer.errors import InputError
 
 from .rules import Rule
-from .values import CutAt, Fit, InnerPattern, LastLayer, Order, as_written, check_radii, choice, finite, positive, whole
+from .values import CutAt, Fit, InnerPattern, LastLayer, Order, as_written, check_radii, choice, finite, positive, speed, whole
 
 # The paper's Table 3: laser spot 4.9 mm at a step-over of 3.4 mm, and a tool-head speed of 9 mm/s.
 WIDTH_PER_STEP_OVER = 1.44
@@ -25,6 +25,9 @@ DEPOSITION_SPEED_MM_S = 9.0
 FINEST_CHORD = 1e-6
 # No outermost bead runs farther outside of the outline than so many bead widths: a slip of the sign, or of the unit.
 MOST_OUTSIDE = 5.0
+
+# No bead is laid more times slower or faster than the deposition speed than this: a slip of the unit.
+MOST_TIMES = 1e3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -166,7 +169,7 @@ class Process:
         for name in POSITIVE_OPTIONS:
             value = getattr(self, name)
             if value is not None:
-                object.__setattr__(self, name, positive(name, value))
+                object.__setattr__(self, name, (speed if name in SPEEDS else positive)(name, value))
         self._check_lengths()
         for name in NOT_NEGATIVE:
             value = getattr(self, name)
@@ -174,6 +177,11 @@ class Process:
                 raise InputError(f"{name} is {value:g}; it must be zero or more")
         if not 0.0 < finite("slowest", self.slowest) <= 1.0 <= finite("fastest", self.fastest):
             raise InputError(f"slowest and fastest are {self.slowest:g} and {self.fastest:g}; 1 must lie between them")
+        if self.slowest < 1.0 / MOST_TIMES or self.fastest > MOST_TIMES:
+            raise InputError(
+                f"slowest and fastest are {self.slowest:g} and {self.fastest:g}; a bead may be {MOST_TIMES:g} times slower or"
+                " faster than the deposition speed at most"
+            )
         if not 0.0 <= finite("stretch", self.stretch) < 0.5:
             raise InputError(f"stretch is {self.stretch:g}; it must be at least 0 and less than 0.5 (a share of the step-over)")
         self._check_counts()
@@ -281,6 +289,7 @@ CHOICES: dict[str, type[enum.Enum]] = {
     "fit": Fit,
     "order": Order,
 }
+SPEEDS = ("contour_speed_mm_s", "deposition_speed_mm_s", "travel_speed_mm_s")
 WHOLE = ("contours", "contours_every", "starts")
 NOT_NEGATIVE = (
     "overlap",

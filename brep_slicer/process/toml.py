@@ -45,6 +45,10 @@ def read_process_values(path: str | Path) -> dict[str, Any]:
         return tomllib.loads(Path(path).read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such file; give a TOML file with process parameters") from None
+    except RecursionError:
+        raise InputError(
+            f"{path}: its lists are nested too deeply to be process parameters; write one `name = value` a line"
+        ) from None
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise InputError(f"{path}: not a readable TOML file ({error}); write one `name = value` a line") from None
 

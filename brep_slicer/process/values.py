@@ -57,6 +57,8 @@ class CutAt(enum.Enum):
     MIDDLE = "middle"
 
 
+# No machine moves slower or faster than these (mm/s), and times worked out of them stay finite.
+SLOWEST_SPEED, FASTEST_SPEED = 1e-6, 1e6
 # Parameters that are one angle; files have them in degrees, and say so.
 ANGLES = ("hatch_angle_step", "start_angle")
 
@@ -103,6 +105,15 @@ def positive(name: str, value: Any) -> float:
     number = finite(name, value)
     if not number > 0.0:
         raise InputError(f"{name} is {number:g}; it must be greater than zero")
+    return number
+
+
+def speed(name: str, value: Any) -> float:
+    number = positive(name, value)
+    if not SLOWEST_SPEED <= number <= FASTEST_SPEED:
+        raise InputError(
+            f"{name} is {number:g} mm/s; no machine moves like that, give one between {SLOWEST_SPEED:g} and {FASTEST_SPEED:g}"
+        )
     return number
 
 

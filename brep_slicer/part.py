@@ -57,7 +57,9 @@ class Part:
             if not found:
                 known = ", ".join(f"{s.index}: {s.name}" for s in self.solids)
                 raise InputError(f"{self.source}: there is no solid {key!r}; choose by name or index from {known}")
-            chosen.append(found[0])
+            # named twice, it is still one solid
+            if found[0] not in chosen:
+                chosen.append(found[0])
         others = tuple(s for s in (*self.solids, *self.others) if s not in chosen)
         return replace(self, solids=tuple(chosen), others=others)
 

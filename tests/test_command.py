@@ -126,6 +126,12 @@ BAD = {
     "far too fine": (["plan", TOOTH, "-t", 1.4, "-d", 1e-5], 2, "at a step-over of 1e-05 mm the layers take"),
     "no axis like that": (["plan", TOOTH, "-t", 1, "-d", 1, "--axis", "Q"], 2, "axis 'Q' is not understood"),
     "substrate outside": (["plan", TOOTH, "-t", 1, "-d", 1, "--substrate", 500], 2, "leaves nothing to build"),
+    "substrate too small": (
+        ["plan", TOOTH, "-t", 1, "-d", 1, "--substrate", 1e-300],
+        2,
+        "the substrate radius 1e-300 mm is too small",
+    ),
+    "too slow": (["plan", TOOTH, "-t", 1, "-d", 1, "--speed", 1e-320], 2, "no machine moves like that"),
     "no such solid": (["plan", TOOTH, "-t", 1, "-d", 1, "--solid", "x"], 2, "there is no solid 'x'"),
     "no such layers": (["plan", TOOTH, "-t", 1.4, "-d", 1, "--layers", "99:"], 2, "give a:b within 0:31"),
     "layers in words": (["plan", TOOTH, "-t", 1.4, "-d", 1, "--layers", "all"], 2, "give 'a:b'"),
@@ -151,6 +157,41 @@ def test_bad_input_is_one_clear_line(words, code, said, tmp_path):
     assert "Traceback" not in done.stderr
     assert len(done.stderr.strip().splitlines()) == 1
     assert not out.exists() or not any(out.iterdir())
+
+
+def nan_step(path):
+    path.write_text((ROOT / "fixtures/step/box_on_shaft.step").read_text().replace("50.", "NAN", 3))
+
+
+def marked_step(path):
+    path.write_bytes(b"\xef\xbb\xbf" + TOOTH.read_bytes())
+
+
+def nested_toml(path):
+    path.write_text("layer_thickness = " + "[" * 2000 + "]" * 2000)
+
+
+FILES_GIVEN = {
+    "no numbers": (["inspect"], "part.step", nan_step, "solid 'SOLID' is broken: the CAD kernel fails on it"),
+    "byte-order mark": (["inspect"], "part.step", marked_step, "begins with a byte-order mark"),
+    "nested lists": (["plan", TOOTH, "--process"], "deep.toml", nested_toml, "nested too deeply"),
+}
+
+
+@pytest.mark.parametrize(("words", "name", "write", "said"), FILES_GIVEN.values(), ids=FILES_GIVEN)
+def test_bad_files_are_one_clear_line(words, name, write, said, tmp_path):
+    write(tmp_path / name)
+    done = run(*words, tmp_path / name)
+    assert done.returncode == 2, done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert f"{name}: " in done.stderr
+    assert said in done.stderr
+
+
+def test_a_solid_that_is_chosen_twice_is_one():
+    part = bs.read_step(TOOTH, solids=[0, "0"])
+    assert [s.index for s in part.solids] == [0]
+    assert part.others == ()
 
 
 def test_an_output_folder_that_is_a_file(tmp_path):

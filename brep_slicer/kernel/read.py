@@ -42,6 +42,8 @@ MM_PER_UNIT = {
     "ft": 304.8,
     "mil": 0.0254,
 }
+# What editors put before UTF-8, as it looks in Latin-1.
+BYTE_ORDER_MARK = "\xef\xbb\xbf"
 _PREFIXES = {"MILLI": "mm", "CENTI": "cm", "DECI": "dm", "KILO": "km", "MICRO": "um", "NANO": "nm"}
 
 
@@ -72,8 +74,14 @@ def solids_from_step(path: str | Path, *, unit: str | None = None) -> tuple[list
         raise InputError(f"{path}: unit {unit!r} is not known; give one of {', '.join(MM_PER_UNIT)}")
     if stated is None and unit is None:
         raise InputError(f"{path}: the file states no length unit; say which it is with --unit (mm, cm, m, inch)")
-    with silenced():
-        solids = _named_solids(_read_document(Path(path)))
+    try:
+        with silenced():
+            solids = _named_solids(_read_document(Path(path)))
+    except InputError:
+        raise
+    except Exception as error:  # OCCT raises classes of its own, which share no base
+        said = type(error).__name__
+        raise InputError(f"{path}: the CAD kernel fails on a solid in it ({said}); repair it and export it again") from None
     if not solids:
         raise InputError(f"{path}: {_what_instead(text)}; export a solid (closed B-Rep) as STEP")
     # OCCT converts to mm by the stated unit, and takes mm where none is stated
@@ -94,6 +102,10 @@ def _checked_text(path: Path) -> str:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check its permissions") from None
     if not text.strip():
         raise InputError(f"{path}: the file is empty; export it again")
+    if text.startswith(BYTE_ORDER_MARK):
+        raise InputError(
+            f"{path}: the file begins with a byte-order mark, which STEP does not allow; save it without (plain UTF-8)"
+        )
     if "ISO-10303-21" not in text[:2000]:
         raise InputError(f"{path}: this is no STEP file (it does not start with ISO-10303-21); export the part as STEP")
     if "END-ISO-10303-21" not in text[-2000:]:

@@ -56,8 +56,20 @@ def checked_solid(solid: Any, name: str) -> tuple[Any, tuple[str, ...]]:
     Raises
     ------
     InputError
-        If the solid is invalid and stays so after healing; the message names it.
+        If the solid is invalid and stays so after healing, or the kernel fails on it; the message names it.
     """
+    try:
+        return _checked(solid, name)
+    except InputError:
+        raise
+    except Exception as error:  # OCCT raises classes of its own, which share no base: for numbers that are none (NAN), say
+        said = type(error).__name__
+        raise InputError(
+            f"solid {name!r} is broken: the CAD kernel fails on it ({said}); repair it in the CAD system"
+        ) from None
+
+
+def _checked(solid: Any, name: str) -> tuple[Any, tuple[str, ...]]:
     notes: list[str] = []
     if not BRepCheck_Analyzer(solid).IsValid():
         fix = ShapeFix_Shape(solid)

@@ -140,7 +140,9 @@ def plan(
     ] = None,
     one_way: Annotated[bool, typer.Option("--one-way", help="Lay all hatch beads in the same direction.")] = False,
     speed: Annotated[float | None, typer.Option("--speed", help="Deposition speed, mm/s (default 9).")] = None,
-    chord: Annotated[float | None, typer.Option("--chord", help="Tolerance of sampled curves, mm (default 0.01).")] = None,
+    chord: Annotated[
+        float | None, typer.Option("--chord", help="Tolerance of sampled curves, mm (default 0.01, or d / 100 for d below 1).")
+    ] = None,
     last_layer: Annotated[
         str | None, typer.Option("--last-layer", help="If the height is no multiple of t: keep, drop or stretch.")
     ] = None,

@@ -23,6 +23,9 @@ WIDTH_PER_STEP_OVER = 1.44
 DEPOSITION_SPEED_MM_S = 9.0
 # Sampled finer than this (mm) a toolpath would only grow: machines resolve a thousandth.
 FINEST_CHORD = 1e-6
+# Clearance and chord (mm) that are assumed for step-overs of this (mm) and more. Finer beads build smaller parts, which may
+# be no larger than a chord of ordinary ones.
+CLEARANCE, CHORD, ORDINARY_STEP_OVER = 5.0, 0.01, 1.0
 # No outermost bead runs farther outside of the outline than so many bead widths: a slip of the sign, or of the unit.
 MOST_OUTSIDE = 5.0
 
@@ -91,6 +94,12 @@ class Process:
         The laser is switched on this long before a bead's start, and off this long before its end, mm: metal comes late.
     contour_speed_mm_s : float, optional
         Speed of contours; the deposition speed if not given.
+    clearance : float, optional
+        The nozzle's, mm; 5 mm if not given (5 d for step-overs below 1 mm), two layers at least.
+    hop_length : float, optional
+        Longest travel that stays low, mm; 3 d if not given.
+    chord : float, optional
+        Tolerance of sampled curves, mm; 0.01 mm if not given (d / 100 for step-overs below 1 mm).
     order : Order
         Beads in the pattern's order, or in one that shortens travels.
     cut_at : CutAt
@@ -242,7 +251,12 @@ class Process:
         return self.defaults()[name] if given is None and name in self.defaults() else given
 
     def defaults(self) -> dict[str, Any]:
-        """What is assumed where nothing is given."""
+        """What is assumed where nothing is given.
+
+        Clearance and chord are those of ordinary step-overs, 1 mm and more, and in proportion to a finer one; the hop length is
+        three step-overs throughout.
+        """
+        fine = min(1.0, self.step_over / ORDINARY_STEP_OVER)
         first = self.layer_thickness[0] if isinstance(self.layer_thickness, tuple) else self.layer_thickness
         return {
             "bead_width": WIDTH_PER_STEP_OVER * self.step_over,
@@ -251,9 +265,9 @@ class Process:
             "shortest_bead": 0.0,
             "deposition_speed_mm_s": DEPOSITION_SPEED_MM_S,
             "travel_speed_mm_s": 50.0,
-            "clearance": max(5.0, 2.0 * first),
+            "clearance": max(CLEARANCE * fine, 2.0 * first),
             "hop_length": 3.0 * self.step_over,
-            "chord": 0.01,
+            "chord": max(CHORD * fine, FINEST_CHORD),
         }
 
     def assumed(self) -> dict[str, Any]:

@@ -59,7 +59,7 @@ def draw_layer(axes: Axes, layer: Layer, fill: LayerFill) -> None:
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path as Outline
 
-    for polygon in layer.region.to_shapely(chord=0.02).geoms:
+    for polygon in _metal(layer):
         rings = [np.asarray(ring.coords) for ring in (polygon.exterior, *polygon.interiors)]
         outline = Outline.make_compound_path(*[Outline(ring, closed=True) for ring in rings])
         axes.add_patch(PathPatch(outline, facecolor=METAL, edgecolor="none", zorder=0))
@@ -83,7 +83,7 @@ def draw_layer(axes: Axes, layer: Layer, fill: LayerFill) -> None:
 
 def _shown(points: Array, layer: Layer) -> Array:
     """Points of a full band drawn in the chart of -half a turn to +half a turn; a line that crosses the seam is broken."""
-    if not any(piece.winds for piece in layer.region.pieces):
+    if not _is_band(layer):
         return points
     period = layer.region.period
     turns = np.floor(points[:, 0] / period + 0.5)
@@ -92,9 +92,33 @@ def _shown(points: Array, layer: Layer) -> Array:
     return _broken(points, period)
 
 
+def _is_band(layer: Layer) -> bool:
+    return any(piece.winds for piece in layer.region.pieces)
+
+
+def _metal(layer: Layer) -> list[Any]:
+    """The region's polygons, in the chart of one turn where `_shown` draws its outline in it."""
+    import shapely
+    from shapely.affinity import translate
+
+    polygons = list(layer.region.to_shapely(chord=0.02).geoms)
+    if not _is_band(layer):
+        return polygons
+    period, out = layer.region.period, []
+    for polygon in polygons:
+        low, bottom, high, top = polygon.bounds
+        window = shapely.box(-0.5 * period, bottom - 1.0, 0.5 * period, top + 1.0)
+        for turn in range(math.floor(low / period + 0.5), math.ceil(high / period - 0.5) + 1):
+            # a ring that a sample's error makes cross itself cannot be cut
+            moved = shapely.make_valid(translate(polygon, -turn * period)).intersection(window)
+            out += [part for part in shapely.get_parts(moved) if part.geom_type == "Polygon" and part.area > 0.0]
+    return out
+
+
 def _broken(points: Array, period: float) -> Array:
-    """The chain cut at every seam it crosses, with NaN between the parts."""
-    out = [points[:1] - [np.floor(points[0, 0] / period + 0.5) * period, 0.0]]
+    """The chain cut at every seam it crosses, also in one of its points, with NaN between the parts."""
+    out: list[Array] = []
+    last = None
     for a, b in itertools.pairwise(points):
         low, high = sorted((a[0], b[0]))
         seams = np.arange(np.floor(low / period + 0.5), np.ceil(high / period - 0.5) + 1) * period + 0.5 * period
@@ -104,9 +128,11 @@ def _broken(points: Array, period: float) -> Array:
         for s0, s1 in itertools.pairwise(knots):
             ends = np.array([a + s * (b - a) for s in (s0, s1)])
             turn = np.floor((0.5 * (ends[0, 0] + ends[1, 0])) / period + 0.5)
-            if s0 > 0.0:
-                out += [np.full((1, 2), np.nan), ends[:1] - [turn * period, 0.0]]
+            if turn != last:
+                out += [np.full((1, 2), np.nan)] if out else []
+                out.append(ends[:1] - [turn * period, 0.0])
             out.append(ends[1:] - [turn * period, 0.0])
+            last = turn
     return np.concatenate(out)
 
 
@@ -125,7 +151,7 @@ def _page(layers: list[Layer]) -> tuple[int, float, float]:
     """Columns, and the size of a panel in inches, from the widest and highest layer."""
     boxes = np.array([piece.bounds() for layer in layers for piece in layer.region.pieces])
     wide = max(boxes[:, 2].max() - boxes[:, 0].min(), 1e-6)
-    if any(piece.winds for layer in layers for piece in layer.region.pieces):
+    if any(_is_band(layer) for layer in layers):
         wide = max(layer.region.period for layer in layers)
     ratio = (boxes[:, 3].max() - boxes[:, 1].min()) / wide
     columns = 1 if ratio < 0.25 else 2 if ratio < 0.6 else 3 if ratio < 1.0 else 4

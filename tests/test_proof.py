@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -83,6 +84,38 @@ def test_the_metal_of_a_bead_is_t_d_per_length():
     cell = made.kappa[1] - made.kappa[0]
     ends = 3.0 * math.pi / 32.0 * W * 2.0
     assert np.nansum(made.heights) * cell**2 == pytest.approx(T * D * (bead.length() + ends), rel=2e-3)
+
+
+@pytest.mark.parametrize("start", range(4))
+def test_a_square_contour_lays_its_own_metal_and_all_its_corners_are_alike(start):
+    side = 12.0 * W
+    region = polygon((0, 0), (side, 0), (side, side), (0, side))
+    (ring,) = fill_region(region, Contours(count=1), **ARGS).beads
+    corners = np.roll(ring.points[:-1], start, axis=0)
+    bead = replace(ring, points=np.concatenate([corners, corners[:1]]))
+    made = deposit_of(region, [bead], width=W, thickness=T, step_over=D)
+    cell = made.kappa[1] - made.kappa[0]
+    assert np.nansum(made.heights) * cell**2 == pytest.approx(T * D * bead.length(), rel=1e-3)
+    for other in (made.heights.T, made.heights[::-1], made.heights[:, ::-1]):
+        assert np.abs(made.heights - other).max() < 1e-6 * T
+    # no corner is bare, or twice as high
+    middle = 1.5 * D / W * T
+    at = np.searchsorted(made.kappa, 0.5 * W)
+    assert made.heights[at, at] == pytest.approx(middle, rel=0.1)
+    assert np.nanmax(made.heights) < 1.5 * middle
+
+
+def test_a_line_that_turns_back_beside_itself_lays_its_own_metal():
+    from brep_slicer.fill import Zigzag
+
+    (bead,) = fill_region(box(), Zigzag(angle=0.3), **ARGS).beads
+    slow = replace(bead, speed=np.linspace(0.5, 2.0, len(bead.points)))
+    steps, metal = np.hypot(*np.diff(bead.points, axis=0).T), 1.0 / slow.speed
+    for laid, length, ends in ((bead, steps.sum(), 2.0), (slow, (steps * 0.5 * (metal[1:] + metal[:-1])).sum(), 2.5)):
+        made = deposit_of(box_around(), [laid], width=W, thickness=T, step_over=D)
+        cell = made.kappa[1] - made.kappa[0]
+        expected = T * D * (length + ends * 3.0 * math.pi / 32.0 * W)
+        assert np.nansum(made.heights) * cell**2 == pytest.approx(expected, rel=1e-3)
 
 
 TEETH = [("helical_gear_tooth", (152.0, 165.0, 183.0)), ("spur_gear_tooth", (152.0, 179.0))]

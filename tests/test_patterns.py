@@ -13,6 +13,7 @@ import brep_slicer as bs
 from brep_slicer.curves import LineCurve, Loop
 from brep_slicer.fill import Contours, FlankFollowing, Hatch, Helix, PatternSequence, Rings, Zigzag, fill_region, in_cool_order
 from brep_slicer.fill.distance import Outline
+from brep_slicer.proof import summary_of_proof
 from brep_slicer.region import region_from_loops
 
 from .test_fill import ARGS, REGIONS, TURN, D, R, W, along, band, box, rectangle
@@ -147,12 +148,29 @@ def test_proof_from_the_command(fixture_step, tmp_path):
     report = json.loads((tmp_path / "report.json").read_text())
     assert len(report["proof"]) == 2
     (said,) = (line for line in done.output.splitlines() if line.startswith("proof: "))
-    lowest = min(row["step_over_measured_mm"]["lowest"] for row in report["proof"])
+    measured = [row["step_over_measured_mm"] for row in report["proof"]]
+    places = sum(m["spacings"] for m in measured)
+    assert all(m["as_planned"] == m["spacings"] for m in measured)
     worst = max(row["bare_share"] for row in report["proof"])
-    assert f"measured {lowest:.4f} to " in said
+    assert f"beads 3.4 mm apart as planned (within 0.001 mm) at all {places} places measured; " in said
     assert f"at most {100 * worst:.3g} % left bare" in said
     assert report["proof"][0]["bare_share"] < 0.005
     assert (tmp_path / "proof.png").stat().st_size > 10_000
+
+
+def test_the_proof_tells_the_spacings_of_a_hatch_from_those_at_its_contour(fixture_step, tmp_path):
+    process = bs.Process(layer_thickness=1.4, step_over=3.4, contours=1, hatch_angles=(0.5,))
+    plan = bs.plan(bs.read_step(fixture_step("helical_gear_tooth")), process, layers=(0, 1))
+    (row,) = plan.proof()
+    measured = row["step_over_measured_mm"]
+    assert 0 < measured["as_planned"] < measured["spacings"]
+    assert measured["others_lowest"] == measured["lowest"] < 3.399
+    said = summary_of_proof([row])
+    share = math.floor(1000.0 * measured["as_planned"] / measured["spacings"]) / 10.0
+    assert said.startswith(
+        f"beads 3.4 mm apart as planned (within 0.001 mm) at {share:.3g} % of {measured['spacings']} places measured, "
+    )
+    assert f" {measured['others_lowest']:.3f} to {measured['others_highest']:.3f} mm at the others" in said
 
 
 def test_each_tooth_is_built_whole_before_the_next(fixture_step):

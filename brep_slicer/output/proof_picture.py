@@ -5,12 +5,13 @@ In: a Plan and its proof. Out: a picture.
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from brep_slicer.proof import deposit_of
+from brep_slicer.proof import deposit_of, spacings_in_words
 from brep_slicer.region import Layer, Piece
 
 from .atomic import write_whole
@@ -76,9 +77,9 @@ def _histogram(ax: Any, proof: list[dict[str, Any]], step_over: float) -> None:
     edges = np.array(measured[0]["histogram"]["edges_mm"]) if measured else np.array([0.5, 1.5]) * step_over
     ax.stairs(counts, edges, fill=True, color="0.5")
     ax.axvline(step_over, color="#c8102e", lw=1)
-    known = [m for m in measured if m["spacings"]]
-    span = f"{min(m['lowest'] for m in known):.4f} to {max(m['highest'] for m in known):.4f} mm" if known else "none"
-    ax.set_title(
-        f"spacing of neighbouring beads, on the emitted\npoints: {sum(m['spacings'] for m in measured)}, {span}", fontsize=9
-    )
-    ax.set_xlabel("mm")
+    words = textwrap.fill(spacings_in_words(proof), 52)
+    ax.set_title(f"spacing of neighbouring beads on the emitted points\n{words}", fontsize=9)
+    ax.set_xlim(edges[0], edges[-1])
+    beyond = sum(m["spacings"] for m in measured) - int(counts.sum())
+    ax.set_xlabel(f"mm ({beyond} places lie beyond these bounds)" if beyond else "mm")
+    ax.set_ylabel("places")

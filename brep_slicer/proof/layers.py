@@ -22,6 +22,8 @@ from .step_over import step_over_of
 
 # Bins of the histogram of spacings.
 BINS = 13
+# Spacings within this of what their layer's fill asks for are as planned, mm.
+AS_PLANNED = 1e-3
 
 
 def proof_of_layers(
@@ -50,14 +52,33 @@ def summary_of_proof(rows: Sequence[dict[str, Any]]) -> str:
     if not rows:
         return "no layer holds metal"
     bare = max(rows, key=lambda row: row["bare_share"])
-    spacings = [row["step_over_measured_mm"] for row in rows if row["step_over_measured_mm"]["spacings"]]
-    lowest, highest = (min(s["lowest"] for s in spacings), max(s["highest"] for s in spacings)) if spacings else (None, None)
-    measured = f"spacings measured {lowest:.4f} to {highest:.4f} mm" if spacings else "no two beads beside each other"
     heights = [row["mean_height_over_t"] for row in rows]
     return (
-        f"{measured}; at most {100.0 * bare['bare_share']:.3g} % left bare (layer {bare['layer']});"
+        f"{spacings_in_words(rows)}; at most {100.0 * bare['bare_share']:.3g} % left bare (layer {bare['layer']});"
         f" mean height {min(heights):.3f} to {max(heights):.3f} t"
     )
+
+
+def spacings_in_words(rows: Sequence[dict[str, Any]]) -> str:
+    """At how many places neighbouring beads are as far apart as planned, and how far they are at the others."""
+    measured = [row["step_over_measured_mm"] for row in rows if row["step_over_measured_mm"]["spacings"]]
+    if not measured:
+        return "no two beads beside each other"
+    places, planned = (sum(m[key] for m in measured) for key in ("spacings", "as_planned"))
+    apart = f"beads {_span([step for m in measured for step in m['planned']], '.4g')} mm apart as planned"
+    others = [m[key] for m in measured for key in ("others_lowest", "others_highest") if m[key] is not None]
+    if not others:
+        return f"{apart} (within {AS_PLANNED:g} mm) at all {places} places measured"
+    share = math.floor(1000.0 * planned / places) / 10.0
+    return (
+        f"{apart} (within {AS_PLANNED:g} mm) at {share:.3g} % of {places} places measured,"
+        f" {_span(others, '.3f')} mm at the others (where beads are not parallel, as a hatch at its contour)"
+    )
+
+
+def _span(values: Sequence[float], form: str) -> str:
+    low, high = f"{min(values):{form}}", f"{max(values):{form}}"
+    return low if low == high else f"{low} to {high}"
 
 
 def _row(layer: Layer, fill: LayerFill, toolpath: Toolpath, axis: Axis, width: float, step_over: float) -> dict[str, Any]:
@@ -66,6 +87,9 @@ def _row(layer: Layer, fill: LayerFill, toolpath: Toolpath, axis: Axis, width: f
     deposit = deposit_of(layer.region, fill.beads, width=width, thickness=thickness, step_over=step_over)
     spacings = step_over_of(toolpath, axis, layer.index).spacings
     near = spacings[spacings < 2.0 * step_over]
+    planned = np.unique(np.round([step_over, *fill.step_over], 9))
+    off = np.abs(near[:, None] - planned).min(axis=1) > AS_PLANNED
+    others = near[off]
     counts, edges = np.histogram(near, bins=BINS, range=(0.5 * step_over, 1.5 * step_over))
     return {
         "bare_share": coverage.bare_share,
@@ -79,6 +103,10 @@ def _row(layer: Layer, fill: LayerFill, toolpath: Toolpath, axis: Axis, width: f
             "spacings": len(near),
             "lowest": float(near.min()) if len(near) else None,
             "highest": float(near.max()) if len(near) else None,
+            "planned": planned.tolist(),
+            "as_planned": int((~off).sum()),
+            "others_lowest": float(others.min()) if len(others) else None,
+            "others_highest": float(others.max()) if len(others) else None,
             "histogram": {"edges_mm": edges.tolist(), "counts": counts.tolist()},
         },
     }

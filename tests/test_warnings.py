@@ -8,7 +8,11 @@ from pathlib import Path
 import pytest
 
 import brep_slicer as bs
+from brep_slicer.fill import Hatch, fill_region
 from brep_slicer.planning.warnings import warnings_of
+from brep_slicer.region import region_from_loops
+
+from .test_fill import ARGS, R, rectangle
 
 T, D = 1.4, 3.4
 
@@ -29,6 +33,15 @@ def test_a_note_on_several_layers_and_pieces_is_one_line(plan):
     assert warnings_of(plan.layers, fills, plan.process) == [
         "layers 0, 2 to 3, pieces 0 to 1, 4: thin",
         "layers 3 to 4: cold",
+    ]
+
+
+def test_pieces_too_narrow_for_a_bead_are_one_line_with_the_range_of_their_areas(plan):
+    slits = [region_from_loops(R, [rectangle(0.0, 0.0, 1.5, height)]) for height in (2.0, 1.0, 1.5)]
+    notes = [fill_region(slit, Hatch(angle=0.0), **ARGS).notes for slit in slits]
+    fills = [replace(fill, notes=said) for fill, said in zip(plan.fills, [*notes, (), ()], strict=True)]
+    assert warnings_of(plan.layers, fills, plan.process) == [
+        "layers 0 to 2, piece 0 (1.5 to 3 mm2): too narrow for a bead 2.45 mm inside of its outline: left bare"
     ]
 
 

@@ -149,7 +149,7 @@ def fill_region(
         if not long:
             long, note = _narrow(cell, shortest_bead)
             where = f"piece {index} ({cell.piece.area():.4g} mm2)"
-            notes.append(f"{where} is too narrow for a bead {inset:g} mm inside of its outline: {note}")
+            notes.append(f"{where}: too narrow for a bead {inset:g} mm inside of its outline: {note}")
         beads += long
         angles.append(float("nan") if made.angle is None else made.angle)
         steps.append(step_over if made.step_over is None else made.step_over)

@@ -20,7 +20,7 @@ from brep_slicer.region import FailedLayer, Layer, overlapping_area
 MOST_METAL, LEAST_METAL = 1.5, 1.0 / 3.0
 # Pieces that get less than this share of their metal are named.
 NEXT_TO_NONE = 0.1
-_PIECE = re.compile(r"^piece (\d+): ")
+_PIECE = re.compile(r"^piece (\d+)(?: \(([\d.e+-]+) mm2\))?: ")
 
 
 def warnings_of(layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill], process: Process) -> list[str]:
@@ -39,18 +39,27 @@ def warnings_of(layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill
 
 
 def _grouped(notes: Iterable[tuple[int, str]]) -> list[str]:
-    """One sentence for each thing that is said, with the layers and the pieces it is said of."""
-    said: dict[str, tuple[set[int], set[int]]] = {}
+    """One sentence for each thing that is said, with the layers and the pieces it is said of, and how large those are."""
+    said: dict[str, tuple[set[int], set[int], set[float]]] = {}
     for layer, note in notes:
         found = _PIECE.match(note)
-        layers, pieces = said.setdefault(_PIECE.sub("", note), (set(), set()))
+        layers, pieces, areas = said.setdefault(_PIECE.sub("", note), (set(), set(), set()))
         layers.add(layer)
         if found:
             pieces.add(int(found[1]))
+            areas.update([float(found[2])] if found[2] else [])
     return [
-        f"{_numbers('layer', layers)}{', ' + _numbers('piece', pieces) if pieces else ''}: {note}"
-        for note, (layers, pieces) in said.items()
+        f"{_numbers('layer', layers)}{', ' + _numbers('piece', pieces) if pieces else ''}{_sizes(areas)}: {note}"
+        for note, (layers, pieces, areas) in said.items()
     ]
+
+
+def _sizes(areas: set[float]) -> str:
+    """' (1.2 mm2)', ' (1.2 to 3.4 mm2)', or nothing."""
+    if not areas:
+        return ""
+    low, high = f"{min(areas):.4g}", f"{max(areas):.4g}"
+    return f" ({low} mm2)" if low == high else f" ({low} to {high} mm2)"
 
 
 def _numbers(word: str, numbers: set[int]) -> str:

@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 import brep_slicer as bs
-from brep_slicer.fill import Hatch, fill_region
+from brep_slicer.fill import Contours, FlankFollowing, Hatch, fill_region
 from brep_slicer.planning.warnings import warnings_of
+from brep_slicer.proof import coverage_of
 from brep_slicer.region import region_from_loops
 
 from .test_fill import ARGS, R, rectangle
@@ -53,6 +54,28 @@ def test_beads_that_hold_too_much_or_too_little_metal(plan):
     piece, layer = warnings_of(plan.layers, few, plan.process)
     assert piece.startswith("layer 3, piece 0: its beads hold less than a tenth of the metal")
     assert layer.startswith("layer 3: the beads hold 0.")
+
+
+@pytest.mark.parametrize(("pattern", "bare"), [(FlankFollowing(), True), (Hatch(angle=0.0), False), (Contours(), False)])
+def test_a_strip_that_gets_too_few_beads_is_told_of(plan, pattern, bare):
+    # room for one bead and a third beside each other: one of 2.16 mm leaves a third of 3.3 mm bare
+    region = region_from_loops(R, [rectangle(0.0, 0.0, 3.3, 60.0)])
+    process = plan.process.updated(step_over=1.5)
+    fill = fill_region(region, pattern, step_over=1.5, width=process.width, inset=0.5 * process.width, chord=0.01)
+    layer = replace(plan.layers[0], region=region, area=region.area)
+    share = coverage_of(region, fill.beads, process.width).bare_share
+    assert (share > 0.2) == bare
+    said = [w for w in warnings_of([layer], [fill], process) if "more than a fifth of it bare" in w]
+    assert [w[:18] for w in said] == (["layer 0, piece 0: "] if bare else [])
+
+
+@pytest.mark.parametrize("name", ["propeller", "box_on_shaft", "cam"])
+def test_no_piece_is_called_bare_that_is_not(name, fixture_step):
+    made = bs.plan(bs.read_step(fixture_step(name)), bs.Process(layer_thickness=8.0, step_over=D))
+    for layer, fill in zip(made.layers, made.fills, strict=True):
+        said = [w for w in warnings_of([layer], [fill], made.process) if "more than a fifth of it bare" in w]
+        if said:
+            assert coverage_of(layer.region, fill.beads, made.process.width).bare_share > 0.2
 
 
 def test_slower_beads_hold_more_metal(plan):

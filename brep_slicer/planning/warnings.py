@@ -18,8 +18,8 @@ from brep_slicer.region import FailedLayer, Layer, overlapping_area
 # Beads that hold more metal than this share of a layer's, or less, are warned of. Half a bead of room on all sides leaves a
 # third of a small piece; a bead wider than its piece is told of by itself.
 MOST_METAL, LEAST_METAL = 1.5, 1.0 / 3.0
-# Pieces that get less than this share of their metal are named.
-NEXT_TO_NONE = 0.1
+# Pieces that get less than this share of their metal are named, and pieces of which more than this share is bare for certain.
+NEXT_TO_NONE, SURELY_BARE = 0.1, 0.2
 _PIECE = re.compile(r"^piece (\d+)(?: \(([\d.e+-]+) mm2\))?: ")
 
 
@@ -88,18 +88,26 @@ def _lying_over_themselves(layers: Sequence[Layer | FailedLayer], process: Proce
 
 
 def _almost_bare(layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill], process: Process) -> list[tuple[int, str]]:
-    """Notes on pieces whose beads, if they have any, hold next to none of the metal that they need."""
+    """Notes on pieces whose beads, if they have any, hold next to none of the metal they need, or cannot cover them."""
     out = []
     for layer, fill in zip(layers, fills, strict=True):
         if not isinstance(layer, Layer):
             continue
         laid: dict[int, float] = {}
+        covered: dict[int, float] = {}
         for bead in fill.beads:
             laid[bead.piece] = laid.get(bead.piece, 0.0) + _equal_length(bead) * process.step_over
+            # no line of this length covers more, whatever its way
+            most = bead.length() * process.width + 0.25 * math.pi * process.width**2
+            covered[bead.piece] = covered.get(bead.piece, 0.0) + most
         for number, metal in laid.items():
-            if metal < NEXT_TO_NONE * layer.region.pieces[number].area():
+            area = layer.region.pieces[number].area()
+            if metal < NEXT_TO_NONE * area:
                 share = f"piece {number}: its beads hold less than a tenth of the metal that it needs"
                 out.append((layer.index, f"{share}; a smaller step-over or inset, contours or a skeleton fill it"))
+            elif covered[number] < (1.0 - SURELY_BARE) * area and process.width >= process.step_over:
+                share = f"piece {number}: its beads leave more than a fifth of it bare"
+                out.append((layer.index, f"{share}; a smaller step-over or inset, contours or another pattern cover it"))
     return out
 
 

@@ -219,14 +219,24 @@ def _say(made: Any, *, proof: bool) -> None:
     totals = report["totals"]
     typer.echo(
         f"{len(made.layers)} layers on R {made.substrate.radius:.6g} mm ({made.substrate.reason}); {totals['beads']} beads,"
-        f" {totals['deposition_length_mm'] / 1000:.4g} m deposited in {totals['deposition_time_s'] / 60:.4g} min,"
-        f" {totals['travel_length_mm'] / 1000:.4g} m travel"
+        f" {_length(totals['deposition_length_mm'])} deposited in {_time(totals['deposition_time_s'])},"
+        f" {_length(totals['travel_length_mm'])} travel"
     )
     typer.echo(f"sections: {report['sections']}")
     if proof:
         from brep_slicer.proof import summary_of_proof
 
         typer.echo(f"proof: {summary_of_proof(made.proof())}")
+
+
+def _length(mm: float) -> str:
+    return f"{mm:.4g} mm" if mm < 1000.0 else f"{mm / 1000.0:.4g} m" if mm < 1e6 else f"{mm / 1e6:.4g} km"
+
+
+def _time(seconds: float) -> str:
+    """In seconds up to two minutes, in minutes up to two hours, in hours beyond."""
+    unit, size = ("s", 1.0) if seconds < 120.0 else ("min", 60.0) if seconds < 7200.0 else ("h", 3600.0)
+    return f"{seconds / size:.4g} {unit}"
 
 
 def _process(path: Path | None, given: dict[str, Any]) -> Any:

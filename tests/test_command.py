@@ -60,6 +60,13 @@ def test_all_files_are_written(planned):
     assert "3 by analytic" in done.stdout
 
 
+def test_lengths_and_times_are_said_in_units_of_their_size():
+    from brep_slicer.cli import _length, _time
+
+    assert [_length(mm) for mm in (0.0, 2.08, 999.0, 5812.4, 2.5e6)] == ["0 mm", "2.08 mm", "999 mm", "5.812 m", "2.5 km"]
+    assert [_time(s) for s in (0.231, 119.0, 645.6, 36000.0)] == ["0.231 s", "119 s", "10.76 min", "10 h"]
+
+
 def test_the_report_says_what_was_done(planned):
     report = json.loads((planned[0] / "report.json").read_text())
     assert report["process"]["contours"] == 1

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from brep_slicer.proof import deposit_of, spacings_in_words
+from brep_slicer.proof.deposit import CELLS_PER_WIDTH
 from brep_slicer.region import Layer, Piece
 
 from .atomic import write_whole
@@ -39,7 +40,9 @@ def draw_proof(plan: Plan, proof: list[dict[str, Any]], path: str | Path) -> Pat
     for ax, (layer, fill) in zip(axes[:-1], chosen, strict=True):
         t = layer.thickness or 1.0
         made = deposit_of(layer.region, fill.beads, width=plan.process.width, thickness=t, step_over=plan.process.step_over)
-        extent = (made.kappa[0], made.kappa[-1], made.v[0], made.v[-1])
+        # the picture ends at the cells' edges, not at their middles
+        half = 0.5 * plan.process.width / CELLS_PER_WIDTH
+        extent = (made.kappa[0] - half, made.kappa[-1] + half, made.v[0] - half, made.v[-1] + half)
         image = ax.imshow(made.heights / t, origin="lower", extent=extent, cmap="RdBu_r", vmin=0.0, vmax=2.0, aspect="equal")
         k0, v0, k1, v1 = _shown_piece(layer).bounds()
         ax.set_xlim(k0 - 2.0, k1 + 2.0)

@@ -190,7 +190,7 @@ def test_what_is_assumed_is_finer_for_fine_beads():
         return bs.Process(layer_thickness=0.5 * d, step_over=d).assumed()
 
     assert [assumed(d)["chord"] for d in (3.4, 1.0, 0.004)] == pytest.approx([0.01, 0.01, 4e-5])
-    assert [assumed(d)["clearance"] for d in (3.4, 1.0, 0.004)] == pytest.approx([5.0, 5.0, 0.02])
+    assert [assumed(d)["clearance"] for d in (3.4, 1.0, 0.004)] == pytest.approx([5.0, 5.0, 5.0])
     assert [assumed(d)["hop_length"] for d in (3.4, 1.0, 0.004)] == pytest.approx([10.2, 3.0, 0.012])
     # an assumed chord can be given, too
     assert bs.Process(layer_thickness=1e-6, step_over=1e-6, chord=assumed(1e-6)["chord"]).chord == pytest.approx(1e-6)

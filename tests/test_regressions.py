@@ -200,3 +200,37 @@ def test_a_cam_of_many_facets_is_no_cylinder():
 def test_an_empty_result_of_a_host_is_told():
     with pytest.raises(bs.InputError):
         bs.as_part(bd.Part())
+
+
+class TestABallWhosePoleLiesOnTheRadius:
+    """OCCT gave its edges a tolerance of 3 mm, which excused areas that differed by 60 % and an outline that crossed itself."""
+
+    @pytest.mark.parametrize("engine", ["analytic", "boolean"])
+    @pytest.mark.parametrize("radius", [8.0, 8.0 - 1e-8, 8.0 + 1e-7, 8.0 - 1e-6, 8.0 - 1e-3, 8.0 + 1e-4])
+    def test_right_or_failed(self, radius, engine):
+        ball = bd.Solid.make_sphere(5, bd.Plane((8, 0, 10)))
+        (layer,) = bs.slice_part(ball, [radius], axis=Z, engine=engine)
+        if layer.failed:
+            assert 0.0 < abs(radius - 8.0) < 1e-5
+            return
+        most = math.acos((radius**2 + 64.0 - 25.0) / (16.0 * radius))
+        truth = (
+            4.0 * radius * quad(lambda t: math.sqrt(max(0.0, 25.0 - radius**2 - 64.0 + 16 * radius * math.cos(t))), 0, most)[0]
+        )
+        assert layer.area == pytest.approx(truth, abs=1e-9 + layer.certificate.residual * layer.region.length)
+        assert layer.certificate.residual < 1e-4
+        assert layer.region.to_shapely().is_valid
+
+
+class TestAHoleThroughACollar:
+    """Turns of a helix began inside of the hole: at the curve's turning point Newton left for the far side."""
+
+    def test_no_bead_begins_in_it(self):
+        hole = bd.Solid.make_cylinder(4, 100, bd.Plane(origin=(-50, 0, 0), z_dir=(1, 0, 0)))
+        solid = shaft(15.0) + shaft(25.0, 40.0) - hole
+        process = bs.Process(layer_thickness=2.0, step_over=2.0, pattern=bs.InnerPattern.HELIX)
+        path = bs.plan(solid, process, axis=Z).toolpath
+        laid = path.deposits | np.append(path.deposits[1:], False)
+        from_hole = np.hypot(path.points[laid, 1], path.points[laid, 2])
+        # an inset of 1.44 mm in the plane, along the arc
+        assert from_hole.min() > 4.0 + 1.3

@@ -43,11 +43,12 @@ def medial_axis(polygon: Polygon, *, chord: float) -> MedialAxis:
     rings = [np.asarray(ring.coords) for ring in (polygon.exterior, *polygon.interiors)]
     a, b = np.concatenate([r[:-1] for r in rings]), np.concatenate([r[1:] for r in rings])
     origin = 0.5 * (a.min(axis=0) + a.max(axis=0))
-    found = pyvoronoi.Pyvoronoi(LARGEST / max(float(np.ptp(a, axis=0).max()), 1e-6))
-    for p, q in zip((a - origin).tolist(), (b - origin).tolist(), strict=True):
+    size = max(float(np.ptp(a, axis=0).max()), 1e-6)
+    found = pyvoronoi.Pyvoronoi(LARGEST)
+    for p, q in zip(((a - origin) / size).tolist(), ((b - origin) / size).tolist(), strict=True):
         found.AddSegment([p, q])
     found.Construct()
-    vertices = np.array([(v.X, v.Y) for v in found.GetVertices()]).reshape(-1, 2)
+    vertices = size * np.array([(v.X, v.Y) for v in found.GetVertices()]).reshape(-1, 2)
     cells, edges = found.GetCells(), found.GetEdges()
     inside = shapely.contains_xy(polygon, *(vertices + origin).T) if len(vertices) else np.zeros(0, dtype=bool)
     kept = [
@@ -55,31 +56,31 @@ def medial_axis(polygon: Polygon, *, chord: float) -> MedialAxis:
         for i, e in enumerate(edges)
         if i < e.twin and e.is_primary and e.start >= 0 and e.end >= 0 and inside[e.start] and inside[e.end]
     ]
-    chains = [_chain(found, i, vertices[[edges[i].start, edges[i].end]], edges[i].is_linear, chord) for i in kept]
+    chains = [_chain(found, i, vertices[[edges[i].start, edges[i].end]], edges[i].is_linear, chord, size) for i in kept]
     if not chains:
         return MedialAxis(starts=np.zeros((0, 2)), ends=np.zeros((0, 2)), distance=np.zeros(0), angle=np.zeros(0))
     count = [len(c) - 1 for c in chains]
     middle = np.concatenate([0.5 * (c[:-1] + c[1:]) for c in chains]) + origin
     both = [[cells[edges[i].cell] for i in kept], [cells[edges[edges[i].twin].cell] for i in kept]]
     ways = [_to_sites(middle, side, np.array(count), a, b) for side in both]
-    size = [np.maximum(np.hypot(w[:, 0], w[:, 1]), 1e-300) for w in ways]
-    cosine = np.einsum("ij,ij->i", ways[0], ways[1]) / (size[0] * size[1])
+    lengths = [np.maximum(np.hypot(w[:, 0], w[:, 1]), 1e-300) for w in ways]
+    cosine = np.einsum("ij,ij->i", ways[0], ways[1]) / (lengths[0] * lengths[1])
     return MedialAxis(
         starts=np.concatenate([c[:-1] for c in chains]) + origin,
         ends=np.concatenate([c[1:] for c in chains]) + origin,
-        distance=np.minimum(*size),
+        distance=np.minimum(*lengths),
         angle=np.arccos(np.clip(cosine, -1.0, 1.0)),
     )
 
 
-def _chain(found: Any, edge: int, ends: Array, linear: bool, chord: float) -> Array:
+def _chain(found: Any, edge: int, ends: Array, linear: bool, chord: float, size: float) -> Array:
     """Points (n, 2) along an edge of the diagram; a parabola too flat for pyvoronoi's formula is its chord."""
     import pyvoronoi
 
     if linear:
         return ends
     try:
-        points = np.array(list(found.DiscretizeCurvedEdge(edge, chord))).reshape(-1, 2)
+        points = size * np.array(list(found.DiscretizeCurvedEdge(edge, chord / size))).reshape(-1, 2)
     except (pyvoronoi.UnsolvableParabolaEquation, pyvoronoi.FocusOnDirectixException):
         return ends
     return points if len(points) > 1 else ends

@@ -23,9 +23,11 @@ WIDTH_PER_STEP_OVER = 1.44
 DEPOSITION_SPEED_MM_S = 9.0
 # Sampled finer than this (mm) a toolpath would only grow: machines resolve a thousandth.
 FINEST_CHORD = 1e-6
-# Clearance and chord (mm) that are assumed for step-overs of this (mm) and more. Finer beads build smaller parts, which may
-# be no larger than a chord of ordinary ones.
-CLEARANCE, CHORD, ORDINARY_STEP_OVER = 5.0, 0.01, 1.0
+# What the machine's nozzle keeps clear of, mm, however small the part.
+CLEARANCE = 5.0
+# The chord (mm) that is assumed for step-overs of so many mm and more. Finer beads build smaller parts, which may be no larger
+# than a chord of ordinary ones.
+CHORD, ORDINARY_STEP_OVER = 0.01, 1.0
 # No outermost bead runs farther outside of the outline than so many bead widths: a slip of the sign, or of the unit.
 MOST_OUTSIDE = 5.0
 
@@ -95,7 +97,7 @@ class Process:
     contour_speed_mm_s : float, optional
         Speed of contours; the deposition speed if not given.
     clearance : float, optional
-        The nozzle's, mm; 5 mm if not given (5 d for step-overs below 1 mm), two layers at least.
+        The nozzle's, mm; 5 mm if not given, two layers at least.
     hop_length : float, optional
         Longest travel that stays low, mm; 3 d if not given.
     chord : float, optional
@@ -253,8 +255,8 @@ class Process:
     def defaults(self) -> dict[str, Any]:
         """What is assumed where nothing is given.
 
-        Clearance and chord are those of ordinary step-overs, 1 mm and more, and in proportion to a finer one; the hop length is
-        three step-overs throughout.
+        The chord is that of ordinary step-overs, 1 mm and more, and in proportion to a finer one; the hop length is three
+        step-overs throughout, the clearance the machine's.
         """
         fine = min(1.0, self.step_over / ORDINARY_STEP_OVER)
         first = self.layer_thickness[0] if isinstance(self.layer_thickness, tuple) else self.layer_thickness
@@ -265,7 +267,7 @@ class Process:
             "shortest_bead": 0.0,
             "deposition_speed_mm_s": DEPOSITION_SPEED_MM_S,
             "travel_speed_mm_s": 50.0,
-            "clearance": max(CLEARANCE * fine, 2.0 * first),
+            "clearance": max(CLEARANCE, 2.0 * first),
             "hop_length": 3.0 * self.step_over,
             "chord": max(CHORD * fine, FINEST_CHORD),
         }

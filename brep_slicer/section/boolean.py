@@ -29,6 +29,9 @@ COINCIDENCE_STEP = 1e-5
 COINCIDENT, FARTHEST = 1e-9, 5e-5
 # What OCCT aims at for its intersection curves, mm; an edge whose tolerance says more is believed.
 INTERSECTION_RESIDUAL = 1e-7
+# OCCT widens an edge's tolerance until it holds what it has made. Beyond the larger of this (mm) and so many times the file's
+# own it has gone astray, and a check that allows for it allows anything.
+WIDEST, FILES_OWN = 1e-3, 2.0
 # Where the cylinder face is cut open (rad); any angle will do that no edge of the part follows, and OCCT may fail at one.
 SEAMS = (0.4142, 2.2361, 4.1231)
 # Two areas may differ by the tolerance of every edge along its length, in each of the two cuts.
@@ -79,12 +82,15 @@ def _cut(solid: Any, radius: float) -> tuple[list[Loop], Certificate]:
 
 def _cut_once(solid: Any, used: float, seam: float) -> tuple[list[Loop], Certificate]:
     """One cut of the whole turn, its seam at the angle `seam` (rad), checked against two half-turns."""
-    from brep_slicer.kernel.booleans import common_with_cylinder, height_range
+    from brep_slicer.kernel.booleans import common_with_cylinder, height_range, largest_tolerance
 
     low, high = height_range(solid)
     margin = 1.0 + 0.01 * (high - low)
     heights = (low - margin, high + margin)
     whole = common_with_cylinder(solid, used, seam=seam, turn=TURN, heights=heights)
+    tolerance = max([INTERSECTION_RESIDUAL, *(u.tolerance for u in whole.uses)])
+    if tolerance > max(WIDEST, FILES_OWN * largest_tolerance(solid)):
+        raise LayerError(f"OCCT's boolean lets its section at radius {used:g} mm lie {tolerance:.3g} mm from the faces")
     arcs = [
         Arc(curve=curve_on_cylinder(u.curve, u.first, u.last, used, forward=u.forward), start=u.start, end=u.end)
         for u in whole.uses
@@ -94,7 +100,6 @@ def _cut_once(solid: Any, used: float, seam: float) -> tuple[list[Loop], Certifi
     halves = sum(
         common_with_cylinder(solid, used, seam=seam + 1.0 + k * math.pi, turn=math.pi, heights=heights).area for k in (0, 1)
     )
-    tolerance = max([INTERSECTION_RESIDUAL, *(u.tolerance for u in whole.uses)])
     jog = max((loop.jog() for loop in loops), default=0.0)
     allowed = CUTS * length * (tolerance + jog) + 1e-9 * area
     checks: dict[str, bool | float | str] = {

@@ -223,14 +223,29 @@ class TestABallWhosePoleLiesOnTheRadius:
 
 
 class TestAHoleThroughACollar:
-    """Turns of a helix began inside of the hole: at the curve's turning point Newton left for the far side."""
+    """Turns of a helix began inside of the hole (at the curve's turning point Newton left for the far side), and every seventh
+    radius went to the boolean, where a level line went through corners of its grid."""
+
+    def solid(self):
+        hole = bd.Solid.make_cylinder(4, 200, bd.Plane(origin=(-100, 0, 0), z_dir=(1, 0, 0)))
+        return bd.Pos(0, 0, 40) * (shaft(15.0) + shaft(25.0, 40.0) - hole)
 
     def test_no_bead_begins_in_it(self):
-        hole = bd.Solid.make_cylinder(4, 100, bd.Plane(origin=(-50, 0, 0), z_dir=(1, 0, 0)))
-        solid = shaft(15.0) + shaft(25.0, 40.0) - hole
-        process = bs.Process(layer_thickness=2.0, step_over=2.0, pattern=bs.InnerPattern.HELIX)
-        path = bs.plan(solid, process, axis=Z).toolpath
+        process = bs.Process(layer_thickness=0.5, step_over=2.0, pattern=bs.InnerPattern.HELIX)
+        path = bs.plan(self.solid(), process, axis=Z, layers=(14, 18)).toolpath
         laid = path.deposits | np.append(path.deposits[1:], False)
-        from_hole = np.hypot(path.points[laid, 1], path.points[laid, 2])
+        from_hole = np.hypot(path.points[laid, 1], path.points[laid, 2] - 40.0)
         # an inset of 1.44 mm in the plane, along the arc
         assert from_hole.min() > 4.0 + 1.3
+
+    def test_every_radius_is_vouched_for(self):
+        radii = np.linspace(15.01, 24.99, 120)
+        for layer in bs.slice_part(self.solid(), radii.tolist(), axis=Z):
+            assert layer.certificate.fallback == ""
+            holes = (
+                2.0
+                * quad(lambda y, r=layer.radius: 2.0 * r * math.sqrt(max(0.0, 16.0 - y * y)) / math.sqrt(r * r - y * y), -4, 4)[
+                    0
+                ]
+            )
+            assert layer.area == pytest.approx(2.0 * math.pi * layer.radius * 40.0 - holes, rel=1e-8)

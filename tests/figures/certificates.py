@@ -3,8 +3,8 @@
 Every certified area is judged by the surface integral: by the quick one, and where that differs by more than it is good for, by
 the exact one; some are judged by the exact one anyway. What falls back is held against it by the engines themselves.
 
-python -m tests.figures.certificates [--all] fixtures/step/*.step
-(--all: every doubt judged, every fallback tried)
+python -m tests.figures.certificates [--all] [--fallbacks] fixtures/step/*.step
+(--all: every doubt judged; --fallbacks: every fallback tried)
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from __future__ import annotations
 import itertools
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -47,14 +47,14 @@ def radii_of_solid(solid: CutSolid) -> dict[str, Array]:
     }
 
 
-def judge(solid: CutSolid, radii: Array, *, everything: bool = False) -> dict[str, float]:
+def judge(solid: CutSolid, radii: Array, options: Collection[str]) -> dict[str, float]:
     """Counts of layers tried, certified, fallen back, failed and wrong; the largest differences in area."""
     start = time.perf_counter()
     sections = SolidSections(solid, radii, Engine.ANALYTIC)
     found = sections.ahead or []
     took = (time.perf_counter() - start) / len(radii)
     refused = np.flatnonzero([isinstance(s, LayerError) for s in found])
-    asked = np.random.default_rng(2).permutation(refused)[: None if everything else MOST_FALLBACKS]
+    asked = np.random.default_rng(2).permutation(refused)[: None if "--fallbacks" in options else MOST_FALLBACKS]
     failed = [i for i in asked.tolist() if isinstance(sections.section(i), LayerError)]
     for i in failed:
         print(f"    failed: R {radii[i]:.12g}", flush=True)
@@ -64,7 +64,7 @@ def judge(solid: CutSolid, radii: Array, *, everything: bool = False) -> dict[st
         "refused": len(refused),
         "fallbacks tried": len(asked),
         "failed": len(failed),
-        **_suspects(solid, radii, found, sys.maxsize if everything else MOST_JUDGED),
+        **_suspects(solid, radii, found, sys.maxsize if "--all" in options else MOST_JUDGED),
         "ms": 1e3 * took,
     }
 
@@ -105,14 +105,14 @@ def _suspects(solid: CutSolid, radii: Array, found: Sequence[Found], most_judged
 
 
 def main(arguments: list[str]) -> None:
-    names = [name for name in arguments if name != "--all"]
+    names = [name for name in arguments if not name.startswith("--")]
     for name in names:
         part = bs.read_step(name)
         for i, solid in enumerate(cut_solids(part, bs.find_axis(part))):
             for kind, radii in radii_of_solid(solid).items():
                 if not len(radii):
                     continue
-                row = judge(solid, radii, everything=len(names) < len(arguments))
+                row = judge(solid, radii, arguments)
                 figures = "  ".join(f"{k} {v:.3g}" if isinstance(v, float) else f"{k} {v}" for k, v in row.items())
                 print(f"{Path(name).stem}/{i} gap {solid.gaps.max():.1e} {kind}: {figures}", flush=True)
 

@@ -18,6 +18,8 @@ LINES_PER_PATCH, MOST_LINES, FEWEST_LINES = 8, 241, 49
 # Around each stationary point (of so many, the others get a line each way) the grid closes in by this many steps of four: to a
 # 4096th of a cell.
 MOST_PEAKS, CLOSING = 12, 6
+# Places on a level line nearer to each other than this share of its longest step are one.
+ALIKE = 1e-9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -30,11 +32,21 @@ class FaceGrid:
     scale: Array
 
     def level_lines(self, radius: float) -> list[Array]:
-        """Polylines (k, 2) in (u, v) where rho = radius; closed ones repeat their first point."""
+        """Polylines (k, 2) in (u, v) where rho = radius, no two neighbours alike; closed ones repeat their first point."""
         import contourpy
 
         generator = contourpy.contour_generator(self.v, self.u, self.rho, line_type=contourpy.LineType.Separate)
-        return [np.asarray(line)[:, ::-1] for line in generator.lines(radius)]
+        return [self._distinct(np.asarray(line)[:, ::-1]) for line in generator.lines(radius)]
+
+    def _distinct(self, line: Array) -> Array:
+        """Without the places that a line has twice where it goes through a corner of the grid; both ends stay."""
+        steps = np.hypot(*(np.diff(line, axis=0) * self.scale).T)
+        apart = steps > ALIKE * steps.max(initial=0.0)
+        # of two alike the later one goes, at the line's end the earlier
+        keep = np.append(True, apart)
+        last = int(np.flatnonzero(keep)[-1])
+        keep[last], keep[-1] = last == 0 or last == len(line) - 1, True
+        return line[keep]
 
 
 def grid_of_face(face: Face, stationary: Array) -> FaceGrid:
@@ -69,6 +81,10 @@ def _lines(breaks: Array) -> Array:
     each = int(np.clip(MOST_LINES // max(len(breaks) - 1, 1), 1, max(LINES_PER_PATCH, FEWEST_LINES // max(len(breaks) - 1, 1))))
     share = np.arange(each) / each
     return np.unique(np.append((breaks[:-1, None] + np.diff(breaks)[:, None] * share).ravel(), breaks[-1]))
+
+
+# Places on a level line nearer to each other than this share of its longest step are one.
+ALIKE = 1e-9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

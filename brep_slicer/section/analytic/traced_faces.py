@@ -248,11 +248,15 @@ def _trace_guided(
 
 
 def _way(face: Face, line: Array, radius: float) -> float:
-    """+1 where a guide runs along the section, -1 where against it: T in (u, v) is sign * (d rho/dv, -d rho/du)."""
-    k = len(line) // 2
-    middle = 0.5 * (line[k - 1] + line[k])
+    """+1 where a guide runs along the section, -1 where against it: T in (u, v) is sign * (d rho/dv, -d rho/du).
+
+    Its longest step is asked.
+    """
+    steps = np.diff(line, axis=0)
+    k = int(np.hypot(*(steps / np.maximum(np.ptp(line, axis=0), 1e-300)).T).argmax())
+    middle = 0.5 * (line[k] + line[k + 1])
     _, gu, gv = level_gap(face.surface, middle[None], np.array([radius]))
-    along = line[k] - line[k - 1]
+    along = steps[k]
     return 1.0 if face.sign * (gv[0] * along[0] - gu[0] * along[1]) > 0.0 else -1.0
 
 

@@ -260,6 +260,13 @@ def test_a_failed_layer_writes_the_report_alone(tmp_path, monkeypatch):
         check_complete(plan)
     assert caught.value.exit_code == 4
     assert len(write_plan(plan, tmp_path / "anyway", allow_failed=True)) == len(FILES)
+    # the tooth is 43.4 mm high: of 31 layers of 1.4 mm the last is whole, of 28 of 1.6 mm an eighth of one
+    monkeypatch.setattr(engines, "sections_by_analysis", lambda solid, radii: [LayerError("made to fail")] * len(radii))
+    for thickness, last, remedy in ((1.4, 30, "--allow-failed plans"), (1.6, 27, "--last-layer drop")):
+        process = bs.Process(layer_thickness=thickness, step_over=3.4)
+        plan = bs.plan(bs.read_step(TOOTH), process, layers=(last, last + 1))
+        with pytest.raises(LayerError, match=remedy):
+            check_complete(plan)
 
 
 def test_a_fallback_is_said(monkeypatch):

@@ -27,6 +27,8 @@ from .warnings import warnings_of
 Progress = Callable[[int, int], None]
 # More beads than this are a step-over in the wrong unit, and more than memory holds.
 MOST_BEADS = 5e6
+# A last layer that the part fills to less than this share may as well be left out.
+THIN = 0.2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -294,7 +296,11 @@ def check_complete(made: Plan) -> None:
     """Raise a LayerError if any layer of a plan failed."""
     if made.failed:
         first = made.failed[0]
+        # a last layer that is but a sliver of one, cut where the part ends
+        thickness = made.stack.thicknesses[-1]
+        sliver = first.index == len(made.stack.radii) - 1 and thickness - made.stack.overshoot < THIN * thickness
+        remedy = "--last-layer drop leaves it out" if sliver else "--allow-failed plans the others"
         raise LayerError(
             f"{made.part.source}: {len(made.failed)} of {len(made.layers)} layers failed, first layer {first.index}"
-            f" (R {first.radius:.6g} mm): {first.reason}; --allow-failed plans the others"
+            f" (R {first.radius:.6g} mm): {first.reason}; {remedy}"
         )

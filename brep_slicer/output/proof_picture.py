@@ -18,10 +18,14 @@ from brep_slicer.region import Layer, Piece
 from .atomic import write_whole
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from brep_slicer.planning import Plan
 
 # Height maps shown, of layers spread evenly.
 MOST_MAPS = 3
+# Maps so many times as wide as high are shown one below the other.
+WIDE = 3.0
 # Pieces are as large as each other within this share.
 ALIKE = 1e-3
 
@@ -29,22 +33,20 @@ ALIKE = 1e-3
 def draw_proof(plan: Plan, proof: list[dict[str, Any]], path: str | Path) -> Path:
     """Simulated heights over t of up to three layers, and the histogram of the spacings measured on all."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
 
     pairs = [(la, f) for la, f in zip(plan.layers, plan.fills, strict=True) if isinstance(la, Layer) and not la.region.is_empty]
     chosen = [pairs[int(i)] for i in np.unique(np.linspace(0, len(pairs) - 1, MOST_MAPS).round())] if pairs else []
-    figure = Figure(figsize=(4.2 * (len(chosen) + 1), 4.6), dpi=110, layout="constrained")
+    boxes = [_window(layer) for layer, _ in chosen]
+    figure, maps, last = _page(boxes)
     FigureCanvasAgg(figure)
-    axes = figure.subplots(1, len(chosen) + 1, squeeze=False)[0]
     image = None
-    for ax, (layer, fill) in zip(axes[:-1], chosen, strict=True):
+    for ax, (layer, fill), (k0, v0, k1, v1) in zip(maps, chosen, boxes, strict=True):
         t = layer.thickness or 1.0
         made = deposit_of(layer.region, fill.beads, width=plan.process.width, thickness=t, step_over=plan.process.step_over)
         # the picture ends at the cells' edges, not at their middles
         half = 0.5 * plan.process.width / CELLS_PER_WIDTH
         extent = (made.kappa[0] - half, made.kappa[-1] + half, made.v[0] - half, made.v[-1] + half)
         image = ax.imshow(made.heights / t, origin="lower", extent=extent, cmap="RdBu_r", vmin=0.0, vmax=2.0, aspect="equal")
-        k0, v0, k1, v1 = _shown_piece(layer).bounds()
         ax.set_xlim(k0 - 2.0, k1 + 2.0)
         ax.set_ylim(v0 - 2.0, v1 + 2.0)
         ax.locator_params(axis="x", nbins=4)
@@ -59,9 +61,32 @@ def draw_proof(plan: Plan, proof: list[dict[str, Any]], path: str | Path) -> Pat
         ax.set_xlabel("κ, mm")
         ax.set_ylabel("v, mm")
     if image is not None:
-        figure.colorbar(image, ax=list(axes[:-1]), shrink=0.7, label="simulated height / t")
-    _histogram(axes[-1], proof, plan.process.step_over)
+        figure.colorbar(image, ax=maps, shrink=0.7, label="simulated height / t")
+    _histogram(last, proof, plan.process.step_over)
     return write_whole(path, lambda temporary: figure.savefig(temporary))
+
+
+def _page(boxes: list[tuple[float, float, float, float]]) -> tuple[Figure, list[Any], Any]:
+    """A figure, the axes of its maps and those of its histogram: wide maps one below the other, others side by side."""
+    from matplotlib.figure import Figure
+
+    count = len(boxes)
+    ratio = min(((k1 - k0) / max(v1 - v0, 1e-9) for k0, v0, k1, v1 in boxes), default=1.0)
+    if count and ratio > WIDE:
+        figure = Figure(figsize=(13.0, max(1.4 + 8.5 / ratio, 1.6) * count + 0.4), dpi=110, layout="constrained")
+        axes = figure.subplot_mosaic([[str(i), "last"] for i in range(count)], width_ratios=[3.0, 1.0])
+    else:
+        figure = Figure(figsize=(4.2 * (count + 1), 4.6), dpi=110, layout="constrained")
+        axes = figure.subplot_mosaic([[*map(str, range(count)), "last"]])
+    return figure, [axes[str(i)] for i in range(count)], axes["last"]
+
+
+def _window(layer: Layer) -> tuple[float, float, float, float]:
+    """What is shown of a layer, (kappa_min, v_min, kappa_max, v_max): its largest piece; of a full band one turn."""
+    piece = _shown_piece(layer)
+    k0, v0, k1, v1 = piece.bounds()
+    half = 0.5 * layer.region.period
+    return (-half, v0, half, v1) if piece.winds else (k0, v0, k1, v1)
 
 
 def _shown_piece(layer: Layer) -> Piece:
@@ -80,8 +105,8 @@ def _histogram(ax: Any, proof: list[dict[str, Any]], step_over: float) -> None:
     edges = np.array(measured[0]["histogram"]["edges_mm"]) if measured else np.array([0.5, 1.5]) * step_over
     ax.stairs(counts, edges, fill=True, color="0.5")
     ax.axvline(step_over, color="#c8102e", lw=1)
-    words = textwrap.fill(spacings_in_words(proof), 52)
-    ax.set_title(f"spacing of neighbouring beads on the emitted points\n{words}", fontsize=9)
+    words = textwrap.fill(spacings_in_words(proof), 44)
+    ax.set_title(f"spacing of neighbouring beads\n{words}", fontsize=8)
     ax.set_xlim(edges[0], edges[-1])
     beyond = sum(m["spacings"] for m in measured) - int(counts.sum())
     ax.set_xlabel(f"mm ({beyond} places lie beyond these bounds)" if beyond else "mm")

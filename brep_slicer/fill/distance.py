@@ -16,8 +16,10 @@ from brep_slicer.region import Piece, lifts_between
 # Feet on curved curves are sought from chords within this share of the distance that matters, then polished by Newton.
 SEARCH_SHARE = 0.05
 
-# How often a step that leads away from a point is halved.
-HALVINGS = 6
+# Steps to a foot, and how often one that leads away from the point is halved.
+FOOT_STEPS, HALVINGS = 16, 6
+# Distances are good to this, mm.
+ROUNDING = 1e-12
 # An end slides by no more than this share of its distance from the outline at a time.
 MOST_OF_GAP = 0.9
 
@@ -96,32 +98,34 @@ def _dense(curve: Curve, chord: float) -> Array:
 
 
 def _feet(curve: Curve, s: Array, q: Array) -> Array:
-    """Newton on (q - c(s)).c'(s) = 0 in [0, 1], never away from q; the curvature is taken by a central difference."""
+    """Newton on (q - c(s)).c'(s) = 0 in [0, 1], never away from q; curvature by differences."""
     h = 1e-5
     p, d = curve.points(s), curve.derivatives(s)
     gap = np.hypot(*(q - p).T)
-    for _ in range(12):
-        inner = np.clip(s, h, 1.0 - h)
-        bend = (curve.derivatives(inner + h) - curve.derivatives(inner - h)) / (2.0 * h)
+    inner = np.clip(s, h, 1.0 - h)
+    bend = (curve.derivatives(inner + h) - curve.derivatives(inner - h)) / (2.0 * h)
+    for _ in range(FOOT_STEPS):
         square = np.maximum(np.einsum("ij,ij->i", d, d), 1e-300)
         slope = square - np.einsum("ij,ij->i", q - p, bend)
         step = np.einsum("ij,ij->i", q - p, d) / np.where(slope > 0.1 * square, slope, square)
         new = np.clip(s + step, 0.0, 1.0)
         for _ in range(HALVINGS):
-            p = curve.points(new)
-            worse = np.hypot(*(q - p).T) > gap
+            there = curve.points(new)
+            reached = np.hypot(*(q - there).T)
+            worse = reached > gap + ROUNDING
             if not worse.any():
                 break
             new = np.where(worse, 0.5 * (s + new), new)
-        p = curve.points(new)
-        reached = np.hypot(*(q - p).T)
-        new = np.where(reached > gap, s, new)
+        new, reached = np.where(worse, s, new), np.where(worse, gap, reached)
+        there = np.where(worse[:, None], p, there)
+        moved = new - s
         # the distance is stationary at its foot: an error e in s changes it by e**2
-        done = np.abs(new - s).max(initial=0.0) < 1e-9
-        s, gap = new, np.minimum(reached, gap)
-        p, d = curve.points(s), curve.derivatives(s)
-        if done:
-            break
+        if np.abs(moved).max(initial=0.0) < 1e-9:
+            return there
+        onwards = curve.derivatives(new)
+        enough = np.abs(moved) > 1e-7
+        bend = np.where(enough[:, None], (onwards - d) / np.where(enough, moved, 1.0)[:, None], bend)
+        s, p, d, gap = new, there, onwards, reached
     return p
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import brep_slicer as bs
 from brep_slicer.curves import LineCurve, Loop, SinusoidCurve
-from brep_slicer.fill import Contours, Hatch, PatternSequence, Rings, Skeleton, Spiral, Zigzag, fill_region
+from brep_slicer.fill import Contours, FlankFollowing, Hatch, PatternSequence, Rings, Skeleton, Spiral, Zigzag, fill_region
 from brep_slicer.fill.distance import Outline, ends_at_inset
 from brep_slicer.fill.full_turn import closing_lines
 from brep_slicer.proof import coverage_of
@@ -213,7 +213,8 @@ def test_a_band_under_leaning_blades(name, shape):
         made = fill_region(region, pattern, **ARGS)
         covered = coverage_of(region, made.beads, W)
         assert covered.area == pytest.approx(region.area, rel=1e-9)
-        assert covered.outside < 1e-3
+        # in a sharp corner a bead along the skeleton is wider than the corner
+        assert covered.outside < (0.025 * region.area if name == "contours and skeleton" else 1e-3)
         assert covered.bare_share < most_bare
         outline = Outline(region.pieces[0], 0.5 * W)
         for bead in made.beads:
@@ -273,3 +274,56 @@ def test_ends_do_not_slide_across_the_outline():
         (end,) = ends_at_inset(outline, start, way, inset=1.5, limit=limit)
         assert end[1] < 20.0
         assert outline.distances(end[None])[0][0] == pytest.approx(1.5, abs=1e-9)
+
+
+def collar(radius: float, height: float, *holes: Loop) -> Region:
+    turn = 2.0 * math.pi * radius
+    lower = Loop(curves=(LineCurve(p0=(0.0, 0.0), p1=(turn, 0.0)),), radius=radius, winding=1)
+    upper = Loop(curves=(LineCurve(p0=(turn, height), p1=(0.0, height)),), radius=radius, winding=-1)
+    return region_from_loops(radius, [lower, upper, *holes])
+
+
+def polygon(points, radius: float = R) -> Loop:
+    lines = [LineCurve(p0=p, p1=q) for p, q in itertools.pairwise([*points, points[0]])]
+    return Loop(curves=tuple(lines), radius=radius)
+
+
+@pytest.mark.parametrize("step_over", [0.8, 1.0, 2.0, 3.4])
+def test_upright_lines_are_all_there_round_a_collar(step_over):
+    # a line through the anchor lies on the side of the window that is drawn: rounding dropped it there on both sides
+    for radius in np.arange(10.0, 60.0, 1.5):
+        made = fill_region(
+            collar(radius, 20.0), Hatch(angle=0.5 * math.pi), step_over=step_over, width=step_over, inset=0.5, chord=0.01
+        )
+        assert len(made.beads) == round(2.0 * math.pi * radius / made.step_over[0])
+
+
+def test_angles_next_to_none_are_rings():
+    made = fill_region(collar(R, 20.0), Hatch(angle=1e-4), **ARGS)
+    assert made.angle == (0.0,)
+    assert all(bead.closed for bead in made.beads)
+
+
+@pytest.mark.parametrize("half", [2.0, 5.0])
+def test_skeletons_reach_sharp_corners(half):
+    region = region_from_loops(R, [polygon([(-20.0, 0.0), (0.0, -half), (20.0, 0.0), (0.0, half)])])
+    made = fill_region(region, PatternSequence(patterns=(Contours(count=None), Skeleton())), **ARGS)
+    assert coverage_of(region, made.beads, W).bare_share < 0.005
+    ends = np.concatenate([bead.points for bead in made.beads])[:, 0]
+    # the bead's round end is what reaches the corner
+    assert (ends.min(), ends.max()) == pytest.approx((0.5 * W - 20.0, 20.0 - 0.5 * W), abs=0.01)
+
+
+def test_edges_of_a_band_that_a_hole_breaks():
+    angles = np.linspace(0.0, 2.0 * math.pi, 60, endpoint=False)
+    hole = polygon([(40.0 + 2.5 * math.cos(a), 4.5 + 2.5 * math.sin(a)) for a in -angles])
+    region = collar(R, 9.0, hole)
+    made = fill_region(region, Spiral(), **ARGS)
+    assert coverage_of(region, made.beads, W).bare_share < 0.05
+    assert coverage_of(region, (), W).bare_share == 1.0
+
+
+def test_flanks_of_a_hexagon_wherever_it_lies():
+    for turned in np.linspace(0.0, 1.0, 7):
+        corners = [(12.0 * math.cos(a), 12.0 * math.sin(a)) for a in turned + np.arange(6) * math.pi / 3]
+        assert fill_region(region_from_loops(R, [polygon(corners)]), FlankFollowing(), **ARGS).beads

@@ -67,9 +67,13 @@ class Helix(Pattern):
 
 
 def _edges_of_band(cell: Cell) -> list[Bead]:
-    """The beads that follow the lower and the upper edge of a band all the way round, from below."""
+    """The beads that follow the lower and the upper edge of a band all the way round, from below.
+
+    Where the inset does not go round, for a hole that leaves no room beside it, those that bound what is left of it.
+    """
     period = cell.piece.outer[0].period
-    lines = [p for p in rings_at(cell, cell.inset) if abs(abs(p[-1, 0] - p[0, 0]) - period) < 1e-6 * period]
+    every = rings_at(cell, cell.inset)
+    lines = [p for p in every if abs(abs(p[-1, 0] - p[0, 0]) - period) < 1e-6 * period] or every
     lines.sort(key=lambda p: float(p[:, 1].mean()))
     return [Bead(points=p, kind=BeadKind.RING, piece=cell.index, closed=True) for p in lines]
 

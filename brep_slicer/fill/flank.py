@@ -132,8 +132,8 @@ def _flanks(ring: Array, angle: float) -> tuple[Array, Array]:
         hull = np.unique(_hull(ring))
         apart = np.linalg.norm(ring[hull][:, None] - ring[hull][None], axis=2)
         longest = _cut(ring, np.sort(hull[list(np.unravel_index(apart.argmax(), apart.shape))]))
-    forward = [float((p[-1] - p[0]) @ (math.cos(angle), math.sin(angle))) > 0.0 for p in longest]
-    first, second = (_evenly(longest[forward.index(way)]) for way in (True, False))
+    forward = [float((p[-1] - p[0]) @ (math.cos(angle), math.sin(angle))) for p in longest]
+    first, second = (_evenly(longest[i]) for i in ((0, 1) if forward[0] > forward[1] else (1, 0)))
     return first, second[::-1]
 
 

@@ -31,7 +31,9 @@ def closing_lines(period: float, angle: float, step_over: float) -> tuple[float,
     if angle == 0.0:
         return 0.0, step_over, 0
     sin = math.sin(abs(angle))
-    k = max(1, round(period * sin / step_over))
+    k = round(period * sin / step_over)
+    if k == 0:
+        return 0.0, step_over, 0
     if 0.5 * math.pi - abs(angle) <= UPRIGHT or k * step_over >= period:
         return angle, period * sin / k, k if angle > 0.0 else -k
     moved = math.asin(k * step_over / period)

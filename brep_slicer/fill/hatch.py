@@ -77,6 +77,7 @@ class Hatch(Pattern):
         phase = _phase(cell, starts, angle, spacing, k)
         if self.start is not None and k:
             phase = float(_lower_edge(cell, inset, cell.piece.radius * self.start) @ directions(angle)[1])
+        phase = _off_the_seam(phase, inset, angle, spacing)
         found = join_across_seam(cut_lines(starts, ends, angle=angle, spacing=spacing, phase=phase), inset, k)
         points, closed = np.array([p for p, _ in found]).reshape(-1, 2, 2), [c for _, c in found]
         beads = self._laid(cell, inset, points, closed, angle, spacing, phase)
@@ -119,6 +120,13 @@ def _phase(cell: Cell, points: Array, angle: float, spacing: float, k: int) -> f
     _, across = directions(angle)
     middle = 0.5 * (points[:, 1].min() + points[:, 1].max())
     return float(np.array([anchor_of(cell.piece), middle]) @ across)
+
+
+def _off_the_seam(phase: float, inset: Inset, angle: float, spacing: float) -> float:
+    """The phase, moved by a millionth of a spacing if an upright line lies on the window's side: rounding might drop it."""
+    along, across = directions(angle)
+    place = (inset.cut * across[0] - phase) / spacing
+    return phase + 1e-6 * spacing if abs(along[0]) < 1e-9 and abs(place - round(place)) < 1e-7 else phase
 
 
 def _lower_edge(cell: Cell, inset: Inset, kappa: float) -> Array:

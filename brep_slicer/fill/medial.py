@@ -50,12 +50,11 @@ def medial_axis(polygon: Polygon, *, chord: float) -> MedialAxis:
     found.Construct()
     vertices = size * np.array([(v.X, v.Y) for v in found.GetVertices()]).reshape(-1, 2)
     cells, edges = found.GetCells(), found.GetEdges()
-    inside = shapely.contains_xy(polygon, *(vertices + origin).T) if len(vertices) else np.zeros(0, dtype=bool)
-    kept = [
-        i
-        for i, e in enumerate(edges)
-        if i < e.twin and e.is_primary and e.start >= 0 and e.end >= 0 and inside[e.start] and inside[e.end]
-    ]
+    whole = [i for i, e in enumerate(edges) if i < e.twin and e.is_primary and e.start >= 0 and e.end >= 0]
+    ends = np.array([(edges[i].start, edges[i].end) for i in whole], dtype=int).reshape(-1, 2)
+    # an edge lies inside or outside as a whole, though it may end in a corner
+    inside = shapely.contains_xy(polygon, *(vertices[ends].mean(axis=1) + origin).T)
+    kept = [i for i, within in zip(whole, inside.tolist(), strict=True) if within]
     chains = [_chain(found, i, vertices[[edges[i].start, edges[i].end]], edges[i].is_linear, chord, size) for i in kept]
     if not chains:
         return MedialAxis(starts=np.zeros((0, 2)), ends=np.zeros((0, 2)), distance=np.zeros(0), angle=np.zeros(0))

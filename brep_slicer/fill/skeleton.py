@@ -70,7 +70,11 @@ def _branches(polygon, cell: Cell) -> list:
     axis = medial_axis(polygon, chord=cell.chord)
     keep = axis.angle > CORNER
     pieces = np.stack([axis.starts[keep], axis.ends[keep]], axis=1)
-    return _merged(shapely.MultiLineString(list(pieces)))
+    lines = shapely.MultiLineString(list(pieces))
+    # into a sharp corner a bead runs until its round end reaches it
+    ends = shapely.points(pieces.reshape(-1, 2))
+    corners = ends[shapely.distance(polygon.boundary, ends) < 10.0 * SAME_PLACE] if len(pieces) else ends
+    return _merged(lines.difference(shapely.MultiPoint(corners).buffer(0.5 * cell.width)))
 
 
 def _copies(cell: Cell, shape) -> list[Array]:

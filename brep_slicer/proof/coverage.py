@@ -42,6 +42,8 @@ def coverage_of(region: Region, beads: Sequence[Bead], width: float) -> Coverage
     shape, tracks = drawn(region, beads, reach=width)
     if shape.is_empty:
         return Coverage(area=0.0, bare=0.0, once=0.0, more=0.0, outside=0.0)
+    if not tracks:
+        return Coverage(area=shape.area, bare=shape.area, once=0.0, more=0.0, outside=0.0)
     strips = [_strip(track, width) for track in tracks]
     # bare is what no bead covers, its corners round; more is what strips cover twice, cut flat where a bead goes on
     once = shapely.union_all([*strips, *(_corners(track, width) for track in tracks)])

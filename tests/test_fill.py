@@ -7,12 +7,25 @@ import math
 
 import numpy as np
 import pytest
+import shapely
+import shapely.affinity
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import brep_slicer as bs
 from brep_slicer.curves import LineCurve, Loop, SinusoidCurve
-from brep_slicer.fill import Contours, FlankFollowing, Hatch, PatternSequence, Rings, Skeleton, Spiral, Zigzag, fill_region
+from brep_slicer.fill import (
+    Contours,
+    FlankFollowing,
+    Hatch,
+    Helix,
+    PatternSequence,
+    Rings,
+    Skeleton,
+    Spiral,
+    Zigzag,
+    fill_region,
+)
 from brep_slicer.fill.distance import Outline, ends_at_inset
 from brep_slicer.fill.full_turn import closing_lines
 from brep_slicer.proof import coverage_of
@@ -244,8 +257,6 @@ def test_a_contour_under_leaning_blades_is_one_line_all_the_way_round():
 
 @pytest.mark.parametrize("name", ["drilled_tube", "oblique_tube", "keyed_band", "wind_blade", "helical_gear_tooth"])
 def test_distances_from_exact_outlines_are_those_from_fine_samples(name, fixture_step):
-    import shapely
-
     part = bs.read_step(fixture_step(name))
     (solid,) = cut_solids(part, bs.axis_from_text("Z"))
     low, high = solid.critical.lowest, solid.critical.highest
@@ -327,3 +338,23 @@ def test_flanks_of_a_hexagon_wherever_it_lies():
     for turned in np.linspace(0.0, 1.0, 7):
         corners = [(12.0 * math.cos(a), 12.0 * math.sin(a)) for a in turned + np.arange(6) * math.pi / 3]
         assert fill_region(region_from_loops(R, [polygon(corners)]), FlankFollowing(), **ARGS).beads
+
+
+def test_ends_slid_towards_each_other_meet_and_do_not_pass():
+    # an hourglass whose neck is an inset wide: its polygon is cut in two there, by its slack
+    neck = 0.5 * W + 0.005
+    corners = [(-20.0, -8.0), (0.0, -neck), (20.0, -8.0), (20.0, 8.0), (0.0, neck), (-20.0, 8.0)]
+    beads = fill_region(region_from_loops(R, [polygon(corners)]), Hatch(), **ARGS).beads
+    through = [np.sort(bead.points[:, 0]) for bead in beads if abs(bead.points[0, 1]) < 0.1]
+    assert sum(high - low for low, high in through) == pytest.approx(40.0 - W, abs=1e-9)
+    # a helix between a hole and the edge, two beads of which lay over each other
+    radius = 40.0
+    hole = polygon([(60.0 + 0.9 * math.cos(a), 4.1 + 0.9 * math.sin(a)) for a in -np.arange(40) * math.pi / 20], radius)
+    region = collar(radius, 8.9, hole)
+    made = fill_region(region, Helix(), step_over=2.0, width=2.88, inset=1.44, chord=0.01)
+    lines = shapely.MultiLineString([bead.points for bead in made.beads])
+    copies = [shapely.affinity.translate(line, k * 2.0 * math.pi * radius) for line in lines.geoms for k in range(-8, 9)]
+    for i, line in enumerate(lines.geoms):
+        mine = i * 17 + 8
+        others = shapely.MultiLineString([other for j, other in enumerate(copies) if j != mine])
+        assert line.intersection(others.buffer(1e-6)).length < 1e-3

@@ -21,6 +21,9 @@ from .inset import Inset, edges_of, inset_piece
 from .pattern import Cell, CellFill, Pattern
 from .scanlines import cut_lines, directions
 
+# Beads lie on one line if they are no farther from it than this, mm.
+SAME_LINE = 1e-6
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hatch(Pattern):
@@ -102,6 +105,35 @@ class Hatch(Pattern):
         return tuple(Bead(points=run[i], kind=BeadKind.HATCH, piece=cell.index, closed=closed[i]) for i in order.tolist())
 
 
+def _met_halfway(before: Array, after: Array, along: Array, period: float) -> Array:
+    """Ends that were slid past one another on one line meet in the middle instead: starts first, then as many ends, (2 n, 2).
+
+    The polygons are pinched by their slack where the exact inset is not; a line is then cut in two there.
+    """
+    from scipy.spatial import cKDTree
+
+    count = len(before) // 2
+    slid = np.abs((after - before) @ along)
+    reach = 2.0 * float(slid.max(initial=0.0))
+    if reach == 0.0:
+        return after
+    places = before - before.min(axis=0)
+    box = [period or 2.0 * places[:, 0].max() + reach + 1.0, 2.0 * places[:, 1].max() + reach + 1.0]
+    places[:, 0] = np.mod(places[:, 0], box[0]) % box[0]
+    pairs = cKDTree(places, boxsize=box).query_pairs(reach, output_type="ndarray")
+    start, end = pairs[(pairs[:, 0] < count) & (pairs[:, 1] >= count)].T
+    apart = before[start] - before[end]
+    if period:
+        apart[:, 0] -= np.round(apart[:, 0] / period) * period
+    gap, off = apart @ along, np.abs(apart[:, 0] * along[1] - apart[:, 1] * along[0])
+    past = (off < SAME_LINE) & (gap >= 0.0) & (slid[start] + slid[end] > gap)
+    most = np.full(len(before), np.inf)
+    for side in (start, end):
+        np.minimum.at(most, side[past], 0.5 * gap[past])
+    way = np.where(np.arange(len(before)) < count, -1.0, 1.0)
+    return np.where((most < slid)[:, None], before + (way * most.clip(max=1e9))[:, None] * along, after)
+
+
 def _stretched(points: Array, angle: float, spacing: float, most: float) -> float:
     """The spacing next to d that divides the piece's extent across the lines, or d itself if that is more than `most` off."""
     if not most:
@@ -165,5 +197,6 @@ def _sharp_ends(cell: Cell, inset: Inset, points: Array, closed: list[bool], ang
     # turn, whose edges mostly run round the shaft, as far as the lines' own angle asks
     reach = 20.0 + (2.0 / max(abs(math.sin(angle)), 1e-6) if cell.piece.winds else 0.0)
     moved = ends_at_inset(outline, flat, ways, inset=cell.inset, limit=reach * inset.slack)
+    moved = _met_halfway(flat, moved, along, outline.period)
     points[open_ones] = np.stack([moved[: len(ends)], moved[len(ends) :]], axis=1)
     return points

@@ -25,6 +25,7 @@ from brep_slicer.fill import (
     Spiral,
     Zigzag,
     fill_region,
+    with_spread_starts,
 )
 from brep_slicer.fill.distance import Outline, ends_at_inset
 from brep_slicer.fill.full_turn import closing_lines
@@ -358,3 +359,16 @@ def test_ends_slid_towards_each_other_meet_and_do_not_pass():
         mine = i * 17 + 8
         others = shapely.MultiLineString([other for j, other in enumerate(copies) if j != mine])
         assert line.intersection(others.buffer(1e-6)).length < 1e-3
+
+
+@pytest.mark.parametrize("pattern", [Rings(), Contours()])
+def test_starts_are_spread_on_beads_that_go_round_too(pattern):
+    beads = [bead for bead in fill_region(leaning(4.0, 1), pattern, **ARGS).beads if bead.closed]
+    assert beads
+    for bead, spread in zip(beads, with_spread_starts(beads, 1), strict=True):
+        turns = bead.points[-1] - bead.points[0]
+        assert spread.points[-1] - spread.points[0] == pytest.approx(turns, abs=1e-9)
+        assert spread.length() == pytest.approx(bead.length(), rel=1e-12)
+        assert np.hypot(*(spread.points[0] - bead.points[0])) > 1.0
+        line = shapely.MultiLineString([bead.points + k * np.array([TURN, 0.0]) for k in range(-2, 3)])
+        assert shapely.distance(line, shapely.points(along(spread.points))).max() < 1e-9

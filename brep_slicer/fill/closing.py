@@ -32,7 +32,7 @@ def with_overlap(beads: Sequence[Bead], length: float) -> tuple[Bead, ...]:
 
 
 def _is_ring(bead: Bead) -> bool:
-    return bead.closed and bool(np.array_equal(bead.points[0], bead.points[-1])) and bead.speed is None
+    return bead.closed and bead.speed is None
 
 
 def _from(points: Array, share: float) -> Array:
@@ -40,7 +40,9 @@ def _from(points: Array, share: float) -> Array:
     at = share * along[-1]
     first = np.array([[np.interp(at, along, points[:, k]) for k in (0, 1)]])
     after = int(np.searchsorted(along, at, side="right"))
-    return np.concatenate([first, points[after:-1], points[:after], first])
+    # round the shaft the end lies whole turns from the start
+    turns = points[-1] - points[0]
+    return np.concatenate([first, points[after:-1], points[:after] + turns, first + turns])
 
 
 def _prolonged(bead: Bead, length: float) -> Bead:

@@ -33,7 +33,7 @@ def features_of(regions: Sequence[Region]) -> list[list[int]]:
 
 def _overlapping(first: Region, second: Region) -> list[tuple[int, int]]:
     """Numbers of pieces of two regions that overlap when drawn on the same cylinder."""
-    import shapely
+    import shapely.affinity
 
     if first.is_empty or second.is_empty:
         return []

@@ -135,11 +135,12 @@ class Outline:
         """Distance (n,) of polylines (n, k, 2), each no wider than REACH of a turn, from the outline; cut to REACH as well."""
         import shapely
 
-        lines = self._in_the_window(polylines)
+        lines = self.in_the_window(polylines)
         _, distance = self._tree.query_nearest(shapely.linestrings(lines), return_distance=True, all_matches=False)
         return np.minimum(distance, REACH * self.period)
 
-    def _in_the_window(self, polylines: Array) -> Array:
+    def in_the_window(self, polylines: Array) -> Array:
+        """Polylines (n, k, 2) moved by whole turns so that the middle between their ends lies within half a turn of 0."""
         lines = np.array(polylines, dtype=float)
         middle = 0.5 * (lines[:, 0, 0] + lines[:, -1, 0])
         lines[..., 0] -= (_turns(middle, self.period) * self.period)[:, None]
@@ -157,7 +158,7 @@ class Outline:
         beside = (at.curves == at.curves[:, :1]).all(axis=1) & (low > 0.0) & (high < 1.0)
         beside &= np.abs(at.sides.sum(axis=1)) == polylines.shape[1]
         asked = np.flatnonzero(beside)
-        lines = self._in_the_window(polylines[asked])
+        lines = self.in_the_window(polylines[asked])
         line, found = self._tree.query(shapely.linestrings(lines), predicate="dwithin", distance=reach)
         a, b, number, s, _ = (column[found] for column in self._segments)
         rows = asked[line]
@@ -259,9 +260,7 @@ def drawn_near_points(region: Region, points: Array, fine: float) -> Outline:
     moves = np.array([[-out.period, 0.0], [0.0, 0.0], [out.period, 0.0]])
     tree = shapely.STRtree(shapely.points((at + moves[:, None]).reshape(-1, 2)))
     for before, chord in _levels(fine):
-        spans = out.spans()
-        middle = 0.5 * (spans[:, 0, 0] + spans[:, 1, 0])
-        spans[..., 0] -= (_turns(middle, out.period) * out.period)[:, None]
+        spans = out.in_the_window(out.spans())
         found = tree.query(shapely.linestrings(spans), predicate="dwithin", distance=NEAR * before)[0]
         out = out.refined(np.isin(np.arange(len(spans)), found), chord)
     return out

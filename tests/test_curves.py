@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from brep_slicer.curves import LineCurve, QuadricCurve, SinusoidCurve
+from brep_slicer.curves import CurveBatch, LineCurve, QuadricCurve, SinusoidCurve
 from brep_slicer.curves.spline import span_nodes, spline_through_nodes, straightened
 
 R = 40.0
@@ -97,3 +97,18 @@ def test_a_straight_spline_is_a_line_and_a_bent_one_is_not():
 def test_values_that_are_not_finite_are_refused():
     with pytest.raises(ValueError, match="p1 holds a value that is not finite"):
         LineCurve(p0=(0.0, 0.0), p1=(np.nan, 1.0))
+
+
+def test_a_batch_gives_what_its_curves_give():
+    """Every kind several times over, asked for in any order; a quadric without a fold and a linear one as well."""
+    plain = QuadricCurve(a=1.0, b=(1.0, 0.5, 0.2), c=(-9.0, 1.0, 0.5, 0.2, 0.1), radius=R, branch=-1, range=(-40.0, 60.0))
+    linear = QuadricCurve(a=0.0, b=(4.0, 0.5, 0.2), c=(-9.0, 1.0, 0.5, 0.2, 0.1), radius=R, branch=1, range=(60.0, -40.0))
+    curves = [curve for c in (*CURVES.values(), plain, linear) for curve in (c, c.reversed(), c.trimmed(0.2, 0.7))]
+    batch = CurveBatch(curves)
+    rng = np.random.default_rng(5)
+    numbers, s = rng.integers(len(curves), size=4000), rng.uniform(size=4000)
+    points, derivatives = batch.at(numbers, s)
+    for i, curve in enumerate(curves):
+        rows = numbers == i
+        np.testing.assert_allclose(points[rows], curve.points(s[rows]), rtol=0.0, atol=1e-12)
+        np.testing.assert_allclose(derivatives[rows], curve.derivatives(s[rows]), rtol=1e-10, atol=1e-10)

@@ -93,7 +93,7 @@ def along(points: np.ndarray, step: float = 0.05) -> np.ndarray:
 def test_hatch_keeps_its_inset_and_ends_on_it(make, degrees):
     region = make()
     fill = fill_region(region, Hatch(angle=math.radians(degrees)), **ARGS)
-    outline = Outline(region.pieces[0], 0.5 * W)
+    outline = Outline(region.pieces[:1], 0.5 * W)
     gaps, _ = outline.distances(np.concatenate([along(b.points) for b in fill.beads]))
     assert gaps.min() >= 0.5 * W - 1e-9
     ends = np.concatenate([b.points for b in fill.beads if not b.closed] or [np.zeros((0, 2))])
@@ -160,7 +160,7 @@ def test_both_ways_alternates():
 def test_contours_are_step_overs_inside(make):
     region = make()
     fill = fill_region(region, Contours(count=2), **ARGS)
-    outline = Outline(region.pieces[0], 0.5 * W)
+    outline = Outline(region.pieces[:1], 0.5 * W)
     for bead in fill.beads:
         gaps, _ = outline.distances(bead.points)
         nearest = 0.5 * W if gaps.min() < 0.5 * W + 0.5 * D else 0.5 * W + D
@@ -171,7 +171,7 @@ def test_contours_are_step_overs_inside(make):
 def test_contours_then_hatch_keep_apart():
     fill = fill_region(box(), PatternSequence(patterns=(Contours(count=1), Hatch(angle=0.3))), **ARGS)
     assert [b.kind.value for b in fill.beads[:2]] == ["contour", "hatch"]
-    outline = Outline(box().pieces[0], W)
+    outline = Outline(box().pieces[:1], W)
     gaps, _ = outline.distances(np.concatenate([b.points for b in fill.beads[1:]]))
     assert gaps.min() >= 0.5 * W + D - 1e-9
 
@@ -230,7 +230,7 @@ def test_a_band_under_leaning_blades(name, shape):
         # in a sharp corner a bead along the skeleton is wider than the corner
         assert covered.outside < (0.025 * region.area if name == "contours and skeleton" else 1e-3)
         assert covered.bare_share < most_bare
-        outline = Outline(region.pieces[0], 0.5 * W)
+        outline = Outline(region.pieces[:1], 0.5 * W)
         for bead in made.beads:
             if name != "contours and skeleton":
                 assert outline.distances(along(bead.points))[0].min() > 0.5 * W - 1e-9
@@ -271,7 +271,7 @@ def test_distances_from_exact_outlines_are_those_from_fine_samples(name, fixture
             ]
             truth = shapely.MultiLineString([shapely.LineString(points) for points in copies])
             shapely.prepare(truth)
-            found, away = Outline(piece, 1.5).distances(points)
+            found, away = Outline([piece], 1.5).distances(points)
             wanted = shapely.distance(truth, shapely.points(points))
             # where a curve bends round a point its feet are found slowly: well beyond an inset that does not matter
             assert np.abs(found - wanted)[wanted < 3.0].max() < 2.0 * fine
@@ -280,7 +280,7 @@ def test_distances_from_exact_outlines_are_those_from_fine_samples(name, fixture
 
 
 def test_ends_do_not_slide_across_the_outline():
-    outline = Outline(leaning().pieces[0], 1.5)
+    outline = Outline(leaning().pieces[:1], 1.5)
     start, way = np.array([[26.0, 17.9]]), np.array([[math.sin(0.02), math.cos(0.02)]])
     for limit in (1.0, 3.0, 30.0):
         (end,) = ends_at_inset(outline, start, way, inset=1.5, limit=limit)

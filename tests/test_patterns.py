@@ -41,7 +41,7 @@ def plain_band(height=40.0):
 def test_every_bead_keeps_its_inset_and_no_piece_is_lost(pattern, make):
     region = make()
     fill = fill_region(region, pattern, **ARGS)
-    outline = Outline(region.pieces[0], 0.5 * W)
+    outline = Outline(region.pieces[:1], 0.5 * W)
     gaps, _ = outline.distances(np.concatenate([along(b.points) for b in fill.beads]))
     assert gaps.min() >= 0.5 * W - 1e-6
     assert {b.piece for b in fill.beads} == set(range(len(region.pieces)))
@@ -83,7 +83,7 @@ def test_a_keyway_interrupts_a_helix_and_nothing_else_does():
     fill = fill_region(band(), Helix(), **ARGS)
     # every end but the first and the last lies at the keyway
     ends = np.concatenate([b.points[[0, -1]] for b in fill.beads])
-    outline = Outline(band().pieces[0], 0.5 * W)
+    outline = Outline(band().pieces[:1], 0.5 * W)
     gaps, _ = outline.distances(ends)
     assert np.abs(gaps - 0.5 * W).max() < 1e-6
     v = np.sort(ends[:, 1])

@@ -7,10 +7,11 @@ parameter that the edge covers; *chord*, how far a sampled polyline may lie off 
 """
 
 from .base import Curve, CurveKind
+from .batch import CurveBatch
 from .line import LineCurve
 from .loop import Loop
 from .quadric import QuadricCurve
 from .sinusoid import SinusoidCurve
 from .spline import SplineCurve
 
-__all__ = ["Curve", "CurveKind", "LineCurve", "Loop", "QuadricCurve", "SinusoidCurve", "SplineCurve"]
+__all__ = ["Curve", "CurveBatch", "CurveKind", "LineCurve", "Loop", "QuadricCurve", "SinusoidCurve", "SplineCurve"]

@@ -63,11 +63,11 @@ class Hatch(Pattern):
         group = np.repeat(np.arange(len(flat)), [len(e[0]) for e in edges])
         found = cut_lines(starts, ends, angle=self.angle, spacing=spacing, phase=phase, group=group)
         cuts = np.searchsorted(found.group, np.arange(len(flat) + 1))
+        points = found.points
+        sharp = _sharp_ends([cells[i] for i in flat], [insets[i] for i in flat], points, found.group, self.angle)
         for k, i in enumerate(flat):
-            points = found.points[cuts[k] : cuts[k + 1]]
-            beads = self._laid(
-                cells[i], insets[i], points, [False] * len(points), self.angle, float(spacing[k]), float(phase[k])
-            )
+            ends = sharp[cuts[k] : cuts[k + 1]]
+            beads = self._beads(cells[i], ends, [False] * len(ends), self.angle, float(spacing[k]), float(phase[k]))
             out[i] = CellFill(beads=beads, inset=cells[i].inset, angle=self.angle, step_over=float(spacing[k]))
         return out
 
@@ -82,16 +82,11 @@ class Hatch(Pattern):
             phase = float(_lower_edge(cell, inset, cell.piece.radius * self.start) @ directions(angle)[1])
         phase = _off_the_seam(phase, inset, angle, spacing)
         found = join_across_seam(cut_lines(starts, ends, angle=angle, spacing=spacing, phase=phase), inset, k)
-        points, closed = np.array([p for p, _ in found]).reshape(-1, 2, 2), [c for _, c in found]
-        beads = self._laid(cell, inset, points, closed, angle, spacing, phase)
+        points, closed = np.array([p for p, _ in found]).reshape(-1, 2, 2), np.array([c for _, c in found], dtype=bool)
+        group = np.zeros(int((~closed).sum()), dtype=int)
+        points[~closed] = _sharp_ends([cell], [inset], points[~closed], group, angle)
+        beads = self._beads(cell, points, closed.tolist(), angle, spacing, phase)
         return CellFill(beads=beads, inset=cell.inset, angle=angle, step_over=spacing)
-
-    def _laid(
-        self, cell: Cell, inset: Inset, points: Array, closed: list[bool], angle: float, spacing: float, phase: float
-    ) -> tuple[Bead, ...]:
-        if not len(points):
-            return ()
-        return self._beads(cell, _sharp_ends(cell, inset, points, closed, angle), closed, angle, spacing, phase)
 
     def _beads(self, cell: Cell, points: Array, closed: list[bool], angle: float, spacing: float, phase: float):
         """In the order of the lines; with `both_ways`, every second line is run backwards."""
@@ -110,21 +105,20 @@ def _met_halfway(before: Array, after: Array, along: Array, period: float) -> Ar
 
     The polygons are pinched by their slack where the exact inset is not; a line is then cut in two there.
     """
-    from scipy.spatial import cKDTree
-
     count = len(before) // 2
     slid = np.abs((after - before) @ along)
     reach = 2.0 * float(slid.max(initial=0.0))
     if reach == 0.0:
         return after
-    places = before - before.min(axis=0)
-    box = [period or 2.0 * places[:, 0].max() + reach + 1.0, 2.0 * places[:, 1].max() + reach + 1.0]
-    places[:, 0] = np.mod(places[:, 0], box[0]) % box[0]
-    pairs = cKDTree(places, boxsize=box).query_pairs(reach, output_type="ndarray")
-    start, end = pairs[(pairs[:, 0] < count) & (pairs[:, 1] >= count)].T
+    # ends in one turn; starts there, too, with their copies beside it
+    low = float(before[:, 0].min())
+    places = before - np.stack([np.floor((before[:, 0] - low) / period) * period, np.zeros(len(before))], axis=-1)
+    copies = np.array([[-period, 0.0], [0.0, 0.0], [period, 0.0]])
+    tree = shapely.STRtree(shapely.points((places[:count] + copies[:, None]).reshape(-1, 2)))
+    end, start = tree.query(shapely.points(places[count:]), predicate="dwithin", distance=reach)
+    end, start = end + count, start % count
     apart = before[start] - before[end]
-    if period:
-        apart[:, 0] -= np.round(apart[:, 0] / period) * period
+    apart[:, 0] -= np.round(apart[:, 0] / period) * period
     gap, off = apart @ along, np.abs(apart[:, 0] * along[1] - apart[:, 1] * along[0])
     past = (off < SAME_LINE) & (gap >= 0.0) & (slid[start] + slid[end] > gap)
     most = np.full(len(before), np.inf)
@@ -169,7 +163,7 @@ def _lower_edge(cell: Cell, inset: Inset, kappa: float) -> Array:
     point = np.array([[place, min(p.intersection(up).bounds[1] for p in inset.polygons if p.intersects(up))]])
     if cell.inset <= 0.0:
         return point[0]
-    outline = Outline(cell.piece, max(cell.inset, cell.chord))
+    outline = Outline([cell.piece], max(cell.inset, cell.chord))
     return ends_at_inset(outline, point, np.array([[0.0, -1.0]]), inset=cell.inset, limit=20.0 * inset.slack)[0]
 
 
@@ -182,21 +176,23 @@ def _centred(points: Array, angle: float, spacing: float) -> float:
     return low + 0.5 * (high - low - count * spacing)
 
 
-def _sharp_ends(cell: Cell, inset: Inset, points: Array, closed: list[bool], angle: float) -> Array:
-    """Both ends of every bead that has ends, slid outwards to exactly the inset."""
-    points, open_ones = points.copy(), ~np.array(closed)
+def _sharp_ends(cells: Sequence[Cell], insets: Sequence[Inset], points: Array, group: Array, angle: float) -> Array:
+    """Both ends of beads (n, 2, 2) of the cells `group` (n,) of one layer, slid outwards to exactly the inset."""
+    cell = cells[0]
     # on or outside of the outline, the polygon's own ends are near enough: inside of it by its slack at most
-    if not open_ones.any() or cell.inset <= 0.0:
+    if not len(points) or cell.inset <= 0.0:
         return points
     along, _ = directions(angle)
-    outline = Outline(cell.piece, max(cell.inset, cell.chord))
-    ends = points[open_ones]
-    flat = np.concatenate([ends[:, 0], ends[:, 1]])
-    ways = np.concatenate([np.tile(-along, (len(ends), 1)), np.tile(along, (len(ends), 1))])
+    slack = np.array([inset.slack for inset in insets])
+    # its distances have to hold for an end that is not yet at the inset
+    outline = Outline([c.piece for c in cells], max(cell.inset, cell.chord) + 2.0 * float(slack.max()))
+    flat = np.concatenate([points[:, 0], points[:, 1]])
+    ways = np.concatenate([np.tile(-along, (len(points), 1)), np.tile(along, (len(points), 1))])
     # a line that meets the outline at a grazing angle may have to slide a long way: twenty slacks are 3 degrees, and on a full
     # turn, whose edges mostly run round the shaft, as far as the lines' own angle asks
-    reach = 20.0 + (2.0 / max(abs(math.sin(angle)), 1e-6) if cell.piece.winds else 0.0)
-    moved = ends_at_inset(outline, flat, ways, inset=cell.inset, limit=reach * inset.slack)
+    winds = np.array([c.piece.winds for c in cells])
+    reach = slack * (20.0 + np.where(winds, 2.0 / max(abs(math.sin(angle)), 1e-6), 0.0))
+    limit = np.tile(reach[group], 2)
+    moved = ends_at_inset(outline, flat, ways, inset=cell.inset, limit=limit)
     moved = _met_halfway(flat, moved, along, outline.period)
-    points[open_ones] = np.stack([moved[: len(ends)], moved[len(ends) :]], axis=1)
-    return points
+    return np.stack([moved[: len(points)], moved[len(points) :]], axis=1)

@@ -6,7 +6,6 @@ In: words from a shell. Out: files, a few lines on the terminal, an exit code.
 from __future__ import annotations
 
 import json
-import math
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -173,8 +172,8 @@ def plan(
         "bead_width": width,
         "inset": inset,
         "contours": contours,
-        "hatch_angles": tuple(math.radians(a) for a in angle) if angle else None,
-        "hatch_angle_step": None if angle_step is None else math.radians(angle_step),
+        "hatch_angles_deg": tuple(angle) if angle else None,
+        "hatch_angle_step_deg": angle_step,
         "both_ways": False if one_way else None,
         "deposition_speed_mm_s": speed,
         "chord": chord,

@@ -17,6 +17,7 @@ from brep_slicer.part import Part, as_part
 from brep_slicer.section import CutSolid, cut_solids
 from brep_slicer.substrate.axis import Axis, as_axis, axis_candidates, describe_candidate
 from brep_slicer.substrate.radius import CylinderCandidate, coaxial_cylinders, find_substrate
+from brep_slicer.wording import counted, shortened
 
 # A face overhangs where its outward normal points towards the axis by more than this (a slope of 1 degree).
 OVERHANG = 0.0175
@@ -38,6 +39,13 @@ class Inspection:
     overhang_share: float
     warnings: tuple[str, ...]
 
+    def __repr__(self) -> str:
+        on = "none" if self.substrate_radius is None else f"R {self.substrate_radius:.6g} mm"
+        return (
+            f"Inspection({shortened(self.source)!r}: {counted(len(self.solids), 'solid')}, {self.axis!r}, substrate {on},"
+            f" {counted(len(self.cylinders), 'cylinder')}, {counted(len(self.warnings), 'warning')})"
+        )
+
     def as_dict(self) -> dict[str, Any]:
         """Plain values, for --json."""
         return {
@@ -54,7 +62,7 @@ class Inspection:
         }
 
 
-def inspect_part(part: Any, *, axis: Axis | str | None = None, substrate: float | None = None) -> Inspection:
+def inspect_part(part: Any, *, axis: Any = None, substrate: float | None = None) -> Inspection:
     """Look at a part as a planner would.
 
     Raises

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from brep_slicer.errors import InputError
+from brep_slicer.wording import counted, shortened
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -20,6 +21,9 @@ class Solid:
     index: int
     name: str
     wrapped: Any
+
+    def __repr__(self) -> str:
+        return f"Solid({self.index}: {shortened(self.name)!r})"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -40,6 +44,13 @@ class Part:
         from brep_slicer.kernel.shapes import compound
 
         return compound(solid.wrapped for solid in self.solids)
+
+    def __repr__(self) -> str:
+        names = ", ".join(solid.name for solid in self.solids)
+        others = f"; {len(self.others)} not chosen" if self.others else ""
+        return (
+            f"Part({shortened(self.source)!r}: {counted(len(self.solids), 'solid')} ({shortened(names)}), {self.unit}{others})"
+        )
 
     def select(self, solids: Sequence[str | int]) -> Part:
         """The part with only some of its solids, by name or by index.
@@ -95,7 +106,8 @@ def as_part(shape: Any, *, solids: Sequence[str | int] | None = None) -> Part:
     Parameters
     ----------
     shape
-        build123d object or builder, CadQuery Workplane, Shape or Assembly, OCP TopoDS shape, or BREP bytes.
+        build123d object or builder, CadQuery Workplane, Shape or Assembly, OCP TopoDS shape, BREP bytes, or the path of a
+        STEP file.
 
     Raises
     ------
@@ -104,6 +116,8 @@ def as_part(shape: Any, *, solids: Sequence[str | int] | None = None) -> Part:
     """
     if isinstance(shape, Part):
         return shape if solids is None else shape.select(solids)
+    if isinstance(shape, str | Path):
+        return read_step(shape, solids=solids)
     from brep_slicer.kernel.coerce import solids_from_object
 
     return _checked_part(solids_from_object(shape), source=type(shape).__name__, unit="mm", solids=solids)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 from PIL import Image
@@ -16,7 +15,7 @@ HERE = Path(__file__).parent
 def main() -> None:
     """The toolpath of the helical tooth beside two of its unrolled layers."""
     part = bs.read_step("fixtures/step/helical_gear_tooth.step")
-    process = bs.Process(layer_thickness=1.4, step_over=3.4, contours=1, hatch_angles=(math.radians(75.0), math.radians(15.0)))
+    process = bs.Process(layer_thickness=1.4, step_over=3.4, contours=1, hatch_angles_deg=(75.0, 15.0))
     whole, two = bs.plan(part, process), bs.plan(part, process, layers=(7, 9))
     space = Image.open(draw_toolpath(whole, HERE / "toolpath.png"))
     flat = Image.open(draw_layers(two, HERE / "layers.png"))

@@ -91,7 +91,7 @@ def test_csv_json_and_the_toolpath_are_the_same(planned):
     assert {r["kind"] for r in rows} == {"deposit", "travel"}
     again = bs.plan(
         bs.read_step(TOOTH),
-        bs.Process(layer_thickness=1.4, step_over=3.4, contours=1, hatch_angles=(0.0, np.radians(45.0))),
+        bs.Process(layer_thickness=1.4, step_over=3.4, contours=1, hatch_angles_deg=(0.0, 45.0)),
         layers=(0, 3),
     )
     assert again.toolpath == path

@@ -46,7 +46,7 @@ def layers_of(name: str):
     path, substrate, t, d, numbers = PARTS[name]
     if not Path(path).exists():
         pytest.skip(f"{path} is not here")
-    process = bs.Process(layer_thickness=t, step_over=d, hatch_angles=(0.5,), chord=CHORD)
+    process = bs.Process(layer_thickness=t, step_over=d, hatch_angles_deg=28.0, chord=CHORD)
     part = bs.read_step(path)
     axis = bs.find_axis(part) if REAL in Path(path).parents else bs.axis_from_text("Z")
     plan = bs.plan(part, process, axis=axis, substrate=substrate)

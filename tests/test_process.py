@@ -30,8 +30,8 @@ def test_assumed_values_are_named_and_given_ones_are_not():
 
 
 def test_angles_by_layer():
-    process = Process(layer_thickness=1, step_over=1, hatch_angles=(0.0, 1.0), hatch_angle_step=0.1)
-    assert [process.hatch_angle(i) for i in range(3)] == pytest.approx([0.0, 1.1, 0.2])
+    process = Process(layer_thickness=1, step_over=1, hatch_angles_deg=(0.0, 60.0), hatch_angle_step_deg=6.0)
+    assert [process.hatch_angle(i) for i in range(3)] == pytest.approx([0.0, math.radians(66.0), math.radians(12.0)])
 
 
 def test_radii_must_increase():
@@ -45,7 +45,7 @@ def test_toml(tmp_path):
     process = read_process(path, step_over=3.0)
     assert process.step_over == 3.0
     assert process.last_layer is LastLayer.DROP
-    assert process.hatch_angles == pytest.approx((0.0, math.pi / 2))
+    assert process.hatch_angles_deg == (0.0, 90.0)
 
 
 @pytest.mark.parametrize(
@@ -65,7 +65,7 @@ def test_toml(tmp_path):
         ("layer_thickness = 1\nstep_over = 1\n[[rules]]\npattern = 'x'", "pattern is 'x'"),
         ("layer_thickness = 1\nstep_over = 1\nstarts = 0", "starts is 0; it must be 1 or more"),
         ("layer_thickness = 1\nstep_over = 1\nleft_handed = 1", "left_handed is 1; it must be true or false"),
-        ("layer_thickness = 1\nstep_over = 1\nstart_angle_deg = 'x'", "start_angle is 'x'"),
+        ("layer_thickness = 1\nstep_over = 1\nstart_angle_deg = 'x'", "start_angle_deg is 'x'"),
         ("layer_thickness = 1\nstep_over = 1\nstart_angle = 1.0", "start_angle is no process parameter"),
         ("layer_thickness = 1\nstep_over = 1\nrules = 3", "under \\[\\[rules\\]\\]"),
     ],
@@ -114,15 +114,15 @@ def test_a_process_file_reads_back_what_a_report_echoes(tmp_path):
         step_over=2.0,
         pattern=InnerPattern.HELIX,
         starts=2,
-        start_angle=0.5,
+        start_angle_deg=30.0,
         left_handed=True,
-        hatch_angles=(0.1, 0.2),
+        hatch_angles_deg=(5.0, 10.0),
         rules=(Rule(changes={"pattern": InnerPattern.SPIRAL}, layers=(1, None), winds=False),),
     )
     again = process_from_values({name: value for name, value in process.as_dict().items() if value is not None})
     assert again.as_dict() == process.as_dict()
     assert again.rules == process.rules
-    assert again.start_angle == pytest.approx(0.5, abs=1e-15)
+    assert again.start_angle_deg == 30.0
 
 
 def test_rules_hold_where_they_say(tmp_path):
@@ -166,7 +166,7 @@ def test_rules_choose_by_layer_and_by_width(tmp_path):
         ({"pattern": "lines"}, "pattern is 'lines'"),
         ({"contours": 1.5}, "contours is 1.5; it must be a whole number"),
         ({"starts": "2"}, "starts is '2'; it must be a whole number"),
-        ({"hatch_angle_step": math.inf}, "hatch_angle_step is inf"),
+        ({"hatch_angle_step_deg": math.inf}, "hatch_angle_step_deg is inf"),
         ({"chord": 1e-30}, "the finest is 1e-06 mm"),
         ({"inset": -1000.0}, "bead widths outside of the part"),
         ({"radii": 5}, "give a list of increasing radii"),

@@ -178,7 +178,7 @@ def test_where_beads_would_be_squeezed_some_end():
 @pytest.mark.parametrize("angle", [0.0, 17.0, 60.0, 90.0])
 def test_step_over_is_measured_on_the_emitted_points_across_the_seam(angle, fixture_step):
     part = bs.read_step(fixture_step("keyed_band"))
-    process = bs.Process(layer_thickness=2.0, step_over=D, bead_width=W, hatch_angles=(math.radians(angle),))
+    process = bs.Process(layer_thickness=2.0, step_over=D, bead_width=W, hatch_angles_deg=angle)
     plan = bs.plan(part, process, axis=Z, substrate=45.0, layers=(0, 1))
     used = plan.fills[0].step_over[0]
     found = step_over_of(plan.toolpath, plan.axis, 0).spacings
@@ -241,7 +241,7 @@ def test_a_keyway_is_not_counted_as_bare():
 )
 def test_step_over_of_the_other_straight_patterns(pattern, fixture_step):
     part = bs.read_step(fixture_step("keyed_band"))
-    process = bs.Process(layer_thickness=2.0, step_over=D, bead_width=W, pattern=pattern, hatch_angles=(0.5,))
+    process = bs.Process(layer_thickness=2.0, step_over=D, bead_width=W, pattern=pattern, hatch_angles_deg=math.degrees(0.5))
     plan = bs.plan(part, process, axis=Z, substrate=45.0, layers=(0, 1))
     found = step_over_of(plan.toolpath, plan.axis, 0).spacings
     near = found[found < 1.5 * D]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +19,7 @@ def tooth_plan():
     fixtures = Path(__file__).resolve().parent.parent / "fixtures" / "step"
 
     part = bs.read_step(fixtures / "helical_gear_tooth.step")
-    return bs.plan(part, bs.Process(layer_thickness=1.4, step_over=3.4, hatch_angles=(0.0, math.radians(67.0))))
+    return bs.plan(part, bs.Process(layer_thickness=1.4, step_over=3.4, hatch_angles_deg=(0.0, 67.0)))
 
 
 def test_every_point_lies_on_its_cylinder_with_its_normal(tooth_plan):
@@ -114,9 +113,7 @@ def test_travels_clear_a_flange():
     key = bd.Solid.make_box(200.0, 60.0, 10.0, bd.Plane((-100.0, -30.0, 20.0)))
     feature = (ring - key).solids()[0]
     part = bs.as_part([shaft.solids()[0], feature])
-    plan = bs.plan(
-        part, bs.Process(layer_thickness=2.0, step_over=3.0, hatch_angles=(math.radians(90.0),)), axis=Z, substrate=40.0
-    )
+    plan = bs.plan(part, bs.Process(layer_thickness=2.0, step_over=3.0, hatch_angles_deg=90.0), axis=Z, substrate=40.0)
     assert plan.substrate.solids == (0,)
     path = plan.toolpath
     # near the flange (z < 15 plus the margin of half a bead) a travel has to be above its 70 mm

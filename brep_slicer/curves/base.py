@@ -40,6 +40,12 @@ class Curve(abc.ABC):
     kind: ClassVar[CurveKind]
     face: int
 
+    def __repr__(self) -> str:
+        (k0, v0), (k1, v1) = self.start, self.end
+        return (
+            f"{type(self).__name__}({k0:.6g}, {v0:.6g} to {k1:.6g}, {v1:.6g} mm, {self.length():.5g} mm long, face {self.face})"
+        )
+
     @abc.abstractmethod
     def points(self, s: Array) -> Array:
         """Points (kappa, v) in mm at parameters `s`, shape (n,); returns (n, 2)."""

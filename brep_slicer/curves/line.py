@@ -15,7 +15,7 @@ from brep_slicer.maps import Array
 from .base import Curve, CurveKind, frozen_array
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class LineCurve(Curve):
     """The segment from `p0` to `p1`, each (kappa, v) in mm, shape (2,)."""
 

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from brep_slicer.maps import TURN, Array
+from brep_slicer.wording import counted
 
 from .base import Curve
 from .line import LineCurve
@@ -31,6 +32,11 @@ class Loop:
     winding: int = 0
     _moments: dict[int, float] = field(init=False, repr=False, default_factory=dict)
     _known: dict[str, Any] = field(init=False, repr=False, default_factory=dict)
+
+    def __repr__(self) -> str:
+        turn = f", winding {self.winding:+d}" if self.winding else ""
+        curves = counted(len(self.curves), "curve")
+        return f"Loop(R {self.radius:.6g} mm: {curves}, {self.length():.6g} mm, {self.signed_area():.6g} mm2{turn})"
 
     @property
     def period(self) -> float:

@@ -18,7 +18,7 @@ from brep_slicer.maps import Array
 from .base import Curve, CurveKind, frozen_array
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class QuadricCurve(Curve):
     """The curve a v**2 + 2 b(theta) v + c(theta) = 0 on the cylinder, theta = kappa / radius.
 

@@ -15,7 +15,7 @@ from brep_slicer.maps import Array
 from .base import Curve, CurveKind, frozen_array
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class SinusoidCurve(Curve):
     """v(kappa) = a0 + a1 cos(kappa / radius) + a2 sin(kappa / radius), kappa from range[0] to range[1] (mm).
 

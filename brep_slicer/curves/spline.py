@@ -17,7 +17,7 @@ from .base import Curve, CurveKind, frozen_array
 from .line import LineCurve
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class SplineCurve(Curve):
     """Bezier spans of one degree: `coefficients` (m, n + 1, 2) in mm, `breaks` (m + 1,) from 0 to 1.
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from brep_slicer.curves.base import frozen_array
 from brep_slicer.maps import Array
+from brep_slicer.wording import counted
 
 
 class BeadKind(enum.Enum):
@@ -55,6 +56,10 @@ class Bead:
                 raise ValueError("speed must hold factors above zero")
             object.__setattr__(self, "speed", speed)
 
+    def __repr__(self) -> str:
+        closed = ", closed" if self.closed else ""
+        return f"Bead({self.kind.value}, {len(self.points)} points, {self.length():.5g} mm{closed}, piece {self.piece})"
+
     def length(self) -> float:
         """Length in mm; the same in the plane and on the cylinder (Eq. 16 of the paper)."""
         return float(np.hypot(*np.diff(self.points, axis=0).T).sum())
@@ -77,3 +82,8 @@ class LayerFill:
     angle: tuple[float, ...] = ()
     step_over: tuple[float, ...] = ()
     notes: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        length = sum(bead.length() for bead in self.beads)
+        kinds = ", ".join(sorted({bead.kind.value for bead in self.beads})) or "empty"
+        return f"LayerFill({counted(len(self.beads), 'bead')} ({kinds}), {length:.5g} mm, {counted(len(self.notes), 'note')})"

@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from brep_slicer.region import Piece, Region
+from brep_slicer.wording import shortened
 
 from .bead import Bead, LayerFill
 
@@ -65,6 +66,10 @@ class PatternSequence(Pattern):
 
     patterns: tuple[Pattern, ...]
     overlap: float = 0.0
+
+    def __repr__(self) -> str:
+        names = ", ".join(type(pattern).__name__ for pattern in self.patterns)
+        return f"PatternSequence({shortened(names, 120)}, overlap {self.overlap:.4g} mm)"
 
     def fill(self, cell: Cell) -> CellFill:
         return self.fill_all([cell])[0]

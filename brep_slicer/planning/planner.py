@@ -21,6 +21,7 @@ from brep_slicer.substrate.axis import Axis, as_axis
 from brep_slicer.substrate.layers import LayerStack, stack_layers
 from brep_slicer.substrate.radius import Substrate, find_substrate
 from brep_slicer.toolpath import DepositLayer, Motion, Obstacles, Toolpath, lift_layers, obstacles_of
+from brep_slicer.wording import counted, in_words_of_length, shortened
 
 from .warnings import warnings_of
 
@@ -47,6 +48,15 @@ class Plan:
     toolpath: Toolpath
     warnings: tuple[str, ...]
     _proven: list[dict[str, Any]] = field(init=False, repr=False, default_factory=list)
+
+    def __repr__(self) -> str:
+        laid = float(self.toolpath.segment_lengths()[self.toolpath.deposits].sum())
+        failed = f" ({len(self.failed)} failed)" if self.failed else ""
+        beads = counted(sum(len(fill.beads) for fill in self.fills), "bead")
+        return (
+            f"Plan({shortened(self.part.source)!r}: {counted(len(self.layers), 'layer')}{failed} on R"
+            f" {self.substrate.radius:.6g} mm, {beads}, {in_words_of_length(laid)}, {counted(len(self.warnings), 'warning')})"
+        )
 
     @property
     def failed(self) -> tuple[FailedLayer, ...]:
@@ -79,7 +89,7 @@ def plan(
     part: Any,
     process: Process,
     *,
-    axis: Axis | str | None = None,
+    axis: Any = None,
     substrate: float | None = None,
     substrate_solids: Sequence[int] | None = None,
     layers: tuple[int | None, int | None] | str | None = None,
@@ -95,8 +105,9 @@ def plan(
         A Part, or anything that `as_part` takes.
     process : Process
         Layer thickness, step-over and the rest.
-    axis : Axis or text, optional
-        As `axis_from_text` reads it; found by a vote of the faces if not given.
+    axis : optional
+        An Axis, a text as `axis_from_text` reads it, or a host's line, plane or vector (see `as_axis`); found by a vote of the
+        faces if not given.
     substrate : float, optional
         Radius (mm) to build on; by default the rule of `find_substrate`.
     substrate_solids : sequence of int, optional

@@ -9,14 +9,34 @@ outline a bead's centre stays), *clearance* (nozzle above what stands in its way
 from __future__ import annotations
 
 import enum
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, Literal
 
 from brep_slicer.errors import InputError
+from brep_slicer.wording import shortened
 
-from .rules import Rule
-from .values import CutAt, Fit, InnerPattern, LastLayer, Order, as_written, check_radii, choice, finite, positive, speed, whole
+from .rules import Rule, as_rule
+from .taken import Taken, default
+from .values import (
+    CutAt,
+    Fit,
+    InnerPattern,
+    LastLayer,
+    Order,
+    PatternName,
+    as_written,
+    check_names,
+    check_radii,
+    choice,
+    finite,
+    listed,
+    positive,
+    speed,
+    switch,
+    whole,
+)
 
 # The paper's Table 3: laser spot 4.9 mm at a step-over of 3.4 mm, and a tool-head speed of 9 mm/s.
 WIDTH_PER_STEP_OVER = 1.44
@@ -37,7 +57,7 @@ MOST_TIMES = 1e3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Process:
-    """How to deposit. Lengths in mm, angles in rad, speeds in mm/s; `layer_thickness` and `step_over` are required.
+    """How to deposit. Lengths in mm, angles in degrees, speeds in mm/s; `layer_thickness` and `step_over` are required.
 
     Parameters
     ----------
@@ -59,10 +79,11 @@ class Process:
         Helices are left-handed.
     closing_rings : bool
         A ring along either edge of a band that a helix clads.
-    start_angle : float, optional
-        Where on its lower edge a helix begins, theta in the axis frame; where the part's shape says if not given.
-    hatch_angles : sequence of float
-        Angle of layer i is hatch_angles[i modulo their number], plus i * hatch_angle_step; counter-clockwise from +kappa.
+    start_angle_deg : float, optional
+        Where on its lower edge a helix begins, theta in the axis frame, degrees; where the part's shape says if not given.
+    hatch_angles_deg : float or sequence of float
+        Angle of layer i is hatch_angles_deg[i modulo their number], plus i * hatch_angle_step_deg; degrees, counter-clockwise
+        from +kappa.
     inset : float, optional
         Distance of the outermost bead centres from the outline (outwards if negative); by `fit` if not given.
     fit : Fit
@@ -106,8 +127,9 @@ class Process:
         Beads in the pattern's order, or in one that shortens travels.
     cut_at : CutAt
         Cut at the layer's lower radius R_i, or at mid-thickness.
-    rules : sequence of Rule
-        Other fill parameters for some layers and pieces; of several that hold, the first.
+    rules : sequence of Rule or dict
+        Other fill parameters for some layers and pieces; of several that hold, the first. A dict is as a table of a process
+        file, dict(layers="0:3", contours=2).
 
     Raises
     ------
@@ -115,12 +137,12 @@ class Process:
         If a value is missing, not finite or out of its range; the message names it.
     """
 
-    layer_thickness: float | tuple[float, ...]
+    layer_thickness: float | Sequence[float]
     step_over: float
-    radii: tuple[float, ...] | None = None
+    radii: Taken[tuple[float, ...] | None, Sequence[float] | None] = default(None)
     bead_width: float | None = None
     inset: float | None = None
-    fit: Fit = Fit.IN
+    fit: Taken[Fit, Fit | Literal["in", "on", "out"]] = default(Fit.IN)
     allowance: float = 0.0
     overlap: float | None = None
     stretch: float = 0.0
@@ -135,18 +157,18 @@ class Process:
     laser_on_delay: float = 0.0
     laser_off_delay: float = 0.0
     contour_speed_mm_s: float | None = None
-    order: Order = Order.PATTERN
+    order: Taken[Order, Order | Literal["pattern", "shortest"]] = default(Order.PATTERN)
     contours: int = 0
     hatch: bool = True
-    pattern: InnerPattern = InnerPattern.HATCH
-    hatch_angles: tuple[float, ...] = (0.0,)
-    hatch_angle_step: float = 0.0
+    pattern: Taken[InnerPattern, InnerPattern | PatternName] = default(InnerPattern.HATCH)
+    hatch_angles_deg: Taken[tuple[float, ...], float | Sequence[float]] = default((0.0,))
+    hatch_angle_step_deg: float = 0.0
     both_ways: bool = True
     contours_outwards: bool = False
     starts: int = 1
     left_handed: bool = False
     closing_rings: bool = False
-    start_angle: float | None = None
+    start_angle_deg: float | None = None
     speed_follows_spacing: bool = False
     slowest: float = 0.5
     fastest: float = 2.0
@@ -159,23 +181,31 @@ class Process:
     powder_feed_g_s: float | None = None
     powder_density_g_cm3: float | None = None
     laser_power_w: float | None = None
-    last_layer: LastLayer = LastLayer.KEEP
-    cut_at: CutAt = CutAt.BOTTOM
-    rules: tuple[Rule, ...] = ()
+    last_layer: Taken[LastLayer, LastLayer | Literal["keep", "drop", "stretch"]] = default(LastLayer.KEEP)
+    cut_at: Taken[CutAt, CutAt | Literal["bottom", "middle"]] = default(CutAt.BOTTOM)
+    rules: Taken[tuple[Rule, ...], Sequence[Rule | Mapping[str, Any]] | Rule | Mapping[str, Any]] = default(())
+
+    def __new__(cls, *args: Any, **given: Any) -> Process:
+        """Names that no parameter has are told of with the nearest that one has."""
+        check_names(given, [f.name for f in fields(cls)], "process parameter")
+        return object.__new__(cls)
+
+    def __repr__(self) -> str:
+        usual = {f.name: f.default for f in fields(self)}
+        given = [f"{n}={as_written(n, getattr(self, n))!r}" for n in usual if getattr(self, n) != usual[n]]
+        return f"Process({shortened(', '.join(given), 180)})"
 
     def __post_init__(self) -> None:
         for name, kind in CHOICES.items():
             object.__setattr__(self, name, choice(name, getattr(self, name), kind))
         for name in WHOLE:
-            whole(name, getattr(self, name))
-        finite("hatch_angle_step", self.hatch_angle_step)
-        thickness = self.layer_thickness
-        if isinstance(thickness, Sequence):
-            object.__setattr__(self, "layer_thickness", tuple(positive("layer_thickness", t) for t in thickness))
-            if not thickness:
-                raise InputError("layer_thickness is an empty list; give one thickness, or one for each layer")
-        else:
-            object.__setattr__(self, "layer_thickness", positive("layer_thickness", thickness))
+            object.__setattr__(self, name, whole(name, getattr(self, name)))
+        for name in SWITCHES:
+            switch(name, getattr(self, name))
+        finite("hatch_angle_step_deg", self.hatch_angle_step_deg)
+        thicknesses = tuple(positive("layer_thickness", t) for t in listed("layer_thickness", self.layer_thickness))
+        several = isinstance(self.layer_thickness, Iterable)
+        object.__setattr__(self, "layer_thickness", thicknesses if several else thicknesses[0])
         object.__setattr__(self, "step_over", positive("step_over", self.step_over))
         for name in POSITIVE_OPTIONS:
             value = getattr(self, name)
@@ -198,15 +228,27 @@ class Process:
         self._check_counts()
         if self.radii is not None:
             object.__setattr__(self, "radii", check_radii(self.radii))
-        angles = tuple(finite("hatch_angles", a) for a in self.hatch_angles)
-        if not angles:
-            raise InputError("hatch_angles is an empty list; give one angle at least")
-        object.__setattr__(self, "hatch_angles", angles)
+        angles = listed("hatch_angles_deg", self.hatch_angles_deg)
+        object.__setattr__(self, "hatch_angles_deg", tuple(finite("hatch_angles_deg", a) for a in angles))
+        object.__setattr__(self, "rules", self._checked_rules())
         if self.catchment is not None and self.catchment > 1.0:
             raise InputError(
                 f"the beads need {self.catchment:.4g} times the powder that is fed (t d speed density / feed may be 1 at most);"
                 " feed more, or deposit slower or thinner"
             )
+
+    def _checked_rules(self) -> tuple[Rule, ...]:
+        """The rules with their changes checked as the process's own parameters are."""
+        given: Any = self.rules
+        alone = isinstance(given, Rule | Mapping | str) or not isinstance(given, Iterable)
+        out = []
+        for rule in map(as_rule, (given,) if alone else given):
+            try:
+                changed = replace(self, rules=(), **rule.changes)
+            except InputError as error:
+                raise InputError(f"in a rule: {error}") from None
+            out.append(replace(rule, changes={name: getattr(changed, name) for name in rule.changes}))
+        return tuple(out)
 
     def _check_lengths(self) -> None:
         if self.inset is not None:
@@ -223,8 +265,8 @@ class Process:
         for name in ("contours_every", "starts"):
             if getattr(self, name) < 1:
                 raise InputError(f"{name} is {getattr(self, name)}; it must be 1 or more")
-        if self.start_angle is not None:
-            finite("start_angle", self.start_angle)
+        if self.start_angle_deg is not None:
+            finite("start_angle_deg", self.start_angle_deg)
         if self.contours < 0:
             raise InputError(f"contours is {self.contours}; it must be zero or more")
         if self.contours == 0 and not self.hatch:
@@ -238,7 +280,7 @@ class Process:
         """
         if self.powder_feed_g_s is None or self.powder_density_g_cm3 is None:
             return None
-        t = max(self.layer_thickness) if isinstance(self.layer_thickness, tuple) else self.layer_thickness
+        t = max(self.layer_thickness) if isinstance(self.layer_thickness, Sequence) else self.layer_thickness
         mm3_per_s = t * self.step_over * float(self.value("deposition_speed_mm_s"))
         return mm3_per_s * 1e-3 * self.powder_density_g_cm3 / self.powder_feed_g_s
 
@@ -259,7 +301,7 @@ class Process:
         step-overs throughout, the clearance the machine's.
         """
         fine = min(1.0, self.step_over / ORDINARY_STEP_OVER)
-        first = self.layer_thickness[0] if isinstance(self.layer_thickness, tuple) else self.layer_thickness
+        first = self.thickness(0)
         return {
             "bead_width": WIDTH_PER_STEP_OVER * self.step_over,
             "inset": {Fit.IN: 0.5, Fit.ON: 0.0, Fit.OUT: -0.5}[self.fit] * self.width,
@@ -278,20 +320,22 @@ class Process:
 
     def hatch_angle(self, layer: int) -> float:
         """Angle asked for layer `layer`, rad."""
-        return self.hatch_angles[layer % len(self.hatch_angles)] + layer * self.hatch_angle_step
+        angles = self.hatch_angles_deg
+        return math.radians(angles[layer % len(angles)] + layer * self.hatch_angle_step_deg)
+
+    @property
+    def start_angle(self) -> float | None:
+        """Where a helix begins, rad; None if it is not given."""
+        return None if self.start_angle_deg is None else math.radians(self.start_angle_deg)
 
     def thickness(self, layer: int) -> float:
         """Thickness asked for layer `layer`, mm; the last of a list holds on."""
         t = self.layer_thickness
-        return t[min(layer, len(t) - 1)] if isinstance(t, tuple) else t
+        return t[min(layer, len(t) - 1)] if isinstance(t, Sequence) else t
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain values as used, for echoing in outputs; angles in degrees, named so."""
-        out: dict[str, Any] = {}
-        for f in fields(self):
-            name, value = as_written(f.name, self.value(f.name))
-            out[name] = value
-        return out
+        """Plain values as used, for echoing in outputs."""
+        return {f.name: as_written(f.name, self.value(f.name)) for f in fields(self)}
 
     def updated(self, **changes: Any) -> Process:
         """A copy with some parameters changed."""
@@ -305,6 +349,7 @@ CHOICES: dict[str, type[enum.Enum]] = {
     "fit": Fit,
     "order": Order,
 }
+SWITCHES = tuple(f.name for f in fields(Process) if f.type == "bool")
 SPEEDS = ("contour_speed_mm_s", "deposition_speed_mm_s", "travel_speed_mm_s")
 WHOLE = ("contours", "contours_every", "starts")
 NOT_NEGATIVE = (

@@ -5,11 +5,13 @@ In: values from anywhere. Out: the same, checked, or an InputError that names th
 
 from __future__ import annotations
 
+import difflib
 import enum
 import itertools
 import math
+import operator
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import Any, Literal
 
 from brep_slicer.errors import InputError
 
@@ -33,6 +35,10 @@ class InnerPattern(enum.Enum):
     SKELETON = "skeleton"
     RINGS = "rings"
     HELIX = "helix"
+
+
+# The same words for type checkers.
+PatternName = Literal["hatch", "zigzag", "flank", "contours", "spiral", "skeleton", "rings", "helix"]
 
 
 class Fit(enum.Enum):
@@ -59,21 +65,38 @@ class CutAt(enum.Enum):
 
 # No machine moves slower or faster than these (mm/s), and times worked out of them stay finite.
 SLOWEST_SPEED, FASTEST_SPEED = 1e-6, 1e6
-# Parameters that are one angle; files have them in degrees, and say so.
-ANGLES = ("hatch_angle_step", "start_angle")
 
 
-def as_written(name: str, value: Any) -> tuple[str, Any]:
-    """A parameter's name and plain value in a process file: degrees for angles, strings for enums."""
-    if name == "hatch_angles":
-        return name + "_deg", [math.degrees(a) for a in value]
-    if name in ANGLES:
-        return name + "_deg", None if value is None else math.degrees(value)
+def as_written(name: str, value: Any) -> Any:
+    """A parameter's plain value in a process file: strings for enums, lists for tuples."""
     if name == "rules":
-        return name, [rule.as_dict() for rule in value]
+        return [rule.as_dict() for rule in value]
     if isinstance(value, enum.Enum):
-        return name, value.value
-    return name, list(value) if isinstance(value, tuple) else value
+        return value.value
+    return list(value) if isinstance(value, tuple) else value
+
+
+def check_names(given: Iterable[str], known: Sequence[str], what: str) -> None:
+    """Refuse the first name that is none of `known`, with the one that is nearest to it."""
+    wrong = next((name for name in given if name not in known), None)
+    if wrong is None:
+        return
+    # an angle without its unit is not a slip of the pen: the number is likely meant in radians
+    in_degrees = f"{wrong}_deg"
+    near = [in_degrees] if in_degrees in known else difflib.get_close_matches(wrong, known, n=1, cutoff=0.6)
+    unit = " (in degrees)" if near == [in_degrees] else ""
+    mend = f"did you mean {near[0]}{unit}?" if near else f"known are {', '.join(sorted(known))}"
+    raise InputError(f"{wrong} is no {what}; {mend}")
+
+
+def listed(name: str, value: Any) -> tuple[Any, ...]:
+    """One value, or several, as a tuple that is not empty."""
+    if isinstance(value, str) or not isinstance(value, Iterable):
+        return (value,)
+    out = tuple(value)
+    if not out:
+        raise InputError(f"{name} is an empty list; give one at least")
+    return out
 
 
 def check_radii(radii: Sequence[float]) -> tuple[float, ...]:
@@ -128,7 +151,7 @@ def choice(name: str, value: Any, kind: type[enum.Enum]) -> Any:
 def layer_range(name: str, value: Any) -> tuple[int | None, int | None]:
     """The first layer and the one past the last, from a text "a:b" or from two numbers; either may be left out (None)."""
     try:
-        first, last = (int(x) if x else None for x in value.split(":")) if isinstance(value, str) else value
+        first, last = (int(x) if x.strip() else None for x in value.split(":")) if isinstance(value, str) else value
     except (TypeError, ValueError):
         raise InputError(f"{name} is {value!r}; give 'a:b', as '0:3' for the first three") from None
     for number in (first, last):
@@ -140,6 +163,16 @@ def layer_range(name: str, value: Any) -> tuple[int | None, int | None]:
 
 
 def whole(name: str, value: Any) -> int:
-    if not isinstance(value, int) or isinstance(value, bool):
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise InputError(f"{name} is {value!r}; it must be a whole number") from None
+    if isinstance(value, bool):
         raise InputError(f"{name} is {value!r}; it must be a whole number")
+    return number
+
+
+def switch(name: str, value: Any) -> bool:
+    if not isinstance(value, bool):
+        raise InputError(f"{name} is {value!r}; it must be true or false (True or False in Python)")
     return value

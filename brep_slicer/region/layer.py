@@ -11,6 +11,7 @@ from typing import Any
 
 from brep_slicer.section import Certificate
 from brep_slicer.substrate.axis import Axis
+from brep_slicer.wording import counted, shortened
 
 from .region import Region
 
@@ -29,6 +30,10 @@ class Layer:
     region: Region
     area: float
     certificate: Certificate
+
+    def __repr__(self) -> str:
+        pieces, engine = counted(len(self.region.pieces), "piece"), self.certificate.engine.value
+        return f"Layer({self.index}: R {self.radius:.6g} mm, {pieces}, {self.area:.6g} mm2, {engine})"
 
     @property
     def failed(self) -> bool:
@@ -59,6 +64,9 @@ class FailedLayer:
     cut_radius: float
     thickness: float | None
     reason: str
+
+    def __repr__(self) -> str:
+        return f"FailedLayer({self.index}: R {self.radius:.6g} mm, {shortened(self.reason, 100)})"
 
     @property
     def failed(self) -> bool:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from brep_slicer.curves import Loop
+from brep_slicer.wording import counted
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -25,6 +26,11 @@ class Piece:
 
     outer: tuple[Loop, ...]
     holes: tuple[Loop, ...] = ()
+
+    def __repr__(self) -> str:
+        turn = ", full turn" if self.winds else ""
+        holes = counted(len(self.holes), "hole")
+        return f"Piece(R {self.radius:.6g} mm: {self.area():.6g} mm2, outline {self.length():.6g} mm, {holes}{turn})"
 
     @property
     def winds(self) -> bool:

@@ -17,6 +17,7 @@ import numpy as np
 from brep_slicer.curves import Loop
 from brep_slicer.errors import LayerError
 from brep_slicer.maps import TURN
+from brep_slicer.wording import counted
 
 from .chart import crossings_below, polygon_from_piece
 from .pieces import Piece
@@ -38,6 +39,9 @@ class Region:
     radius: float
     pieces: tuple[Piece, ...] = ()
     touch: float = 0.0
+
+    def __repr__(self) -> str:
+        return f"Region(R {self.radius:.6g} mm: {counted(len(self.pieces), 'piece')}, {self.area:.6g} mm2)"
 
     @property
     def period(self) -> float:

@@ -18,7 +18,7 @@ from brep_slicer.section import Certificate, CutSolid, Engine, cut_solids
 from brep_slicer.section.boolean import COINCIDENCE_STEP
 from brep_slicer.section.engines import SolidSections
 from brep_slicer.section.stepped import moved_by_step
-from brep_slicer.substrate.axis import Axis, as_axis
+from brep_slicer.substrate.axis import as_axis
 
 from .layer import FailedLayer, Layer
 from .overlay import difference_of_regions, union_of_regions
@@ -33,7 +33,7 @@ def slice_part(
     part: Any,
     radii: Sequence[float],
     *,
-    axis: Axis | str | None = None,
+    axis: Any = None,
     engine: Engine | str = Engine.ANALYTIC,
     substrate_solids: Sequence[int] = (),
 ) -> list[Layer | FailedLayer]:
@@ -45,8 +45,8 @@ def slice_part(
         A Part, or anything that `as_part` takes.
     radii : sequence of float
         Increasing radii, mm.
-    axis : Axis or text, optional
-        As `axis_from_text` reads it; found by `find_axis` if not given.
+    axis : optional
+        An Axis, a text, or a host's line, plane or vector, as `as_axis` takes them; found by `find_axis` if not given.
     engine : Engine or str
         ANALYTIC (level sets of rho, exact; falls back to the other where its certificate fails) or BOOLEAN (OCCT).
     substrate_solids : sequence of int

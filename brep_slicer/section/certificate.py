@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from brep_slicer.wording import counted, shortened
+
 
 class Engine(enum.Enum):
     """The two ways to cut a solid."""
@@ -33,6 +35,11 @@ class Certificate:
     checks: Mapping[str, bool | float | str] = field(default_factory=dict)
     fallback: str = ""
     coincident: bool = False
+
+    def __repr__(self) -> str:
+        checks = f", {counted(len(self.checks), 'check')}" if self.checks else ""
+        fallback = f", fallback: {shortened(self.fallback)}" if self.fallback else ""
+        return f"Certificate({self.engine.value}, residual {self.residual:.1e} mm, jog {self.jog:.1e} mm{checks}{fallback})"
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values, for reports."""

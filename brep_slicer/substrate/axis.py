@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +18,8 @@ from numpy.typing import ArrayLike
 from brep_slicer.curves.base import frozen_array
 from brep_slicer.errors import InputError, PlanningError
 from brep_slicer.maps import Array
-from brep_slicer.part import Part
+from brep_slicer.part import Part, as_part
+from brep_slicer.wording import shortened
 
 # Two votes are one line when their directions agree to this (rad) ...
 SAME_DIRECTION = 1e-4
@@ -42,6 +44,9 @@ class Axis:
     def __post_init__(self) -> None:
         for name in ("origin", "direction", "x_direction"):
             object.__setattr__(self, name, frozen_array(getattr(self, name), name=name, shape=(3,)))
+
+    def __repr__(self) -> str:
+        return f"Axis({_line(self)})"
 
     @property
     def rotation(self) -> Array:
@@ -80,6 +85,9 @@ class AxisCandidate:
     axis: Axis
     area: float
     share: float
+
+    def __repr__(self) -> str:
+        return f"AxisCandidate({_line(self.axis)}, {self.area:.6g} mm2, {self.share:.0%} of the turned area)"
 
 
 def axis_from_line(point: ArrayLike, direction: ArrayLike) -> Axis:
@@ -122,14 +130,15 @@ def axis_from_text(text: str) -> Axis:
     return axis_from_line(origin, direction)
 
 
-def find_axis(part: Part) -> Axis:
-    """The line that most of the part's turned faces share.
+def find_axis(part: Any) -> Axis:
+    """The line that most of the turned faces of a part (anything that `as_part` takes) share.
 
     Raises
     ------
     PlanningError
         If no face has an axis, or if another line has nearly as many votes; the message lists the candidates.
     """
+    part = as_part(part)
     candidates = axis_candidates(part)
     if not candidates:
         raise PlanningError(f"{part.source}: no face is turned about an axis; give one with --axis (axis=)")
@@ -139,13 +148,20 @@ def find_axis(part: Part) -> Axis:
     return candidates[0].axis
 
 
-def as_axis(axis: Axis | str | None, part: Part) -> Axis:
-    """The axis given, as such or as text; without one, the part's own.
+def as_axis(axis: Any, part: Part) -> Axis:
+    """The axis given, as such, as text, or as a CAD host's own line; without one, the part's own.
+
+    Parameters
+    ----------
+    axis
+        An Axis, a text as `axis_from_text` reads it, a build123d Axis, a plane of build123d or CadQuery (its normal through
+        its origin), a vector of either (through the file's origin), OCCT's gp_Ax1, three numbers (a direction), or a point
+        and a direction; None to find it.
 
     Raises
     ------
     InputError
-        If it is neither.
+        If it is none of these.
     PlanningError
         If none is given and the part has no axis, or several.
     """
@@ -153,21 +169,66 @@ def as_axis(axis: Axis | str | None, part: Part) -> Axis:
         return find_axis(part)
     if isinstance(axis, str):
         return axis_from_text(axis)
-    if not isinstance(axis, Axis):
-        raise InputError(f"axis is {axis!r}; give an Axis (find_axis, axis_from_line) or a text as --axis takes it")
-    return axis
+    if isinstance(axis, Axis):
+        return axis
+    line = _host_line(axis)
+    if line is None:
+        raise InputError(
+            f"axis is {shortened(repr(axis))}; give a text as 'Z' or '0,0,5:0,0,1', (point, direction), an Axis, or a line,"
+            " plane or vector of build123d or CadQuery"
+        )
+    return axis_from_line(*line)
+
+
+# Where the hosts keep a line's point and direction: build123d's Axis and Plane, CadQuery's Plane, OCCT's gp_Ax1.
+_LINES = (("position", "direction"), ("origin", "z_dir"), ("origin", "zDir"), ("Location", "Direction"))
+
+
+def _host_line(thing: Any) -> tuple[Array, Array] | None:
+    """The (point, direction) of a host's line, plane or vector, or of plain numbers; None if it is nothing of the kind."""
+    for point, direction in _LINES:
+        if hasattr(thing, point) and hasattr(thing, direction):
+            ends = [_three(getattr(thing, name)) for name in (point, direction)]
+            return None if ends[0] is None or ends[1] is None else (ends[0], ends[1])
+    alone = _three(thing)
+    if alone is not None:
+        return np.zeros(3), alone
+    if isinstance(thing, list | tuple | np.ndarray) and len(thing) == 2:
+        ends = [_three(end) for end in thing]
+        return None if ends[0] is None or ends[1] is None else (ends[0], ends[1])
+    return None
+
+
+def _three(thing: Any) -> Array | None:
+    """Three numbers from a vector of a host or from plain numbers; None if it is none."""
+    if callable(thing):  # OCCT's objects keep their parts behind calls
+        thing = thing()
+    if hasattr(thing, "toTuple"):  # CadQuery
+        thing = thing.toTuple()
+    elif all(hasattr(thing, name) for name in "XYZ"):  # build123d has numbers there, OCCT calls
+        thing = [part() if callable(part) else part for part in (thing.X, thing.Y, thing.Z)]
+    try:
+        numbers = np.asarray(thing, dtype=np.float64)
+    except (TypeError, ValueError):
+        return None
+    return numbers if numbers.shape == (3,) else None
+
+
+def _line(axis: Axis) -> str:
+    """As --axis takes it: origin:direction."""
+    return ":".join(",".join(f"{x:.6g}" for x in v) for v in (axis.origin, axis.direction))
 
 
 def describe_candidate(candidate: AxisCandidate) -> str:
     """A candidate as text that --axis takes, with its share."""
-    origin, direction = (",".join(f"{x:.6g}" for x in v) for v in (candidate.axis.origin, candidate.axis.direction))
-    return f"{origin}:{direction} with {candidate.share:.0%} of the turned area"
+    return f"{_line(candidate.axis)} with {candidate.share:.0%} of the turned area"
 
 
-def axis_candidates(part: Part) -> list[AxisCandidate]:
-    """Every line that faces vote for, the most area first."""
+def axis_candidates(part: Any) -> list[AxisCandidate]:
+    """Every line that faces of a part (anything that `as_part` takes) vote for, the most area first."""
     from brep_slicer.kernel.revolutes import axis_votes
 
+    part = as_part(part)
     votes = [vote for solid in part.solids for vote in axis_votes(solid.wrapped)]
     lines = sorted((v for v in votes if v.direction is not None), key=lambda v: -v.area)
     total = sum(vote.area for vote in votes)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 from brep_slicer.errors import InputError, PlanningError
 from brep_slicer.process import CutAt, LastLayer, Process
+from brep_slicer.wording import counted
 
 # A height that is a multiple of t to this (mm) is one: 43.4 / 1.4 is 31, whatever its binary digits say; lands swept as
 # B-splines deviate from their cylinder by as much.
@@ -30,6 +31,14 @@ class LayerStack:
     cut_radii: tuple[float, ...]
     overshoot: float
     notes: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return (
+            f"LayerStack({counted(len(self.radii), 'layer')}, R {self.radii[0]:.6g} to {self.radii[-1]:.6g} mm,"
+            f" overshoot {self.overshoot:.4g} mm)"
+            if self.radii
+            else "LayerStack(no layers)"
+        )
 
 
 def stack_layers(substrate: float, highest: float, process: Process) -> LayerStack:

@@ -7,13 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from brep_slicer.errors import InputError, PlanningError
-from brep_slicer.part import Part
+from brep_slicer.part import Part, as_part
+from brep_slicer.wording import shortened
 
-from .axis import SAME_DIRECTION, SAME_PLACE, Axis
+from .axis import SAME_DIRECTION, SAME_PLACE, Axis, as_axis
 
 # Cylinders whose radii differ by less (mm) are one: several faces of one shaft in a file with rounded coordinates.
 SAME_RADIUS = 1e-5
@@ -36,6 +38,12 @@ class CylinderCandidate:
     external: bool
     solids: tuple[int, ...]
 
+    def __repr__(self) -> str:
+        side = "outside" if self.external else "bore"
+        return (
+            f"CylinderCandidate(R {self.radius:.6g} mm {side}, {self.area:.6g} mm2, solids {shortened(str(list(self.solids)))})"
+        )
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Substrate:
@@ -45,6 +53,10 @@ class Substrate:
     solids: tuple[int, ...]
     reason: str
     warnings: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        stand = f", solids {list(self.solids)} stand" if self.solids else ""
+        return f"Substrate(R {self.radius:.6g} mm: {shortened(self.reason, 100)}{stand})"
 
 
 def beyond(radius: float) -> float:
@@ -61,9 +73,18 @@ class _Land:
     turn: float
 
 
-def coaxial_cylinders(part: Part, axis: Axis) -> list[CylinderCandidate]:
-    """The part's cylinders about `axis`, the largest radius first; faces of one cylinder are counted together."""
-    return [land.candidate for land in _lands(part, axis)]
+def coaxial_cylinders(part: Any, axis: Any = None) -> list[CylinderCandidate]:
+    """The part's cylinders about `axis`, the largest radius first; faces of one cylinder are counted together.
+
+    Parameters
+    ----------
+    part
+        A Part, or anything that `as_part` takes.
+    axis
+        As `as_axis` takes it; found by a vote of the faces if not given.
+    """
+    part = as_part(part)
+    return [land.candidate for land in _lands(part, as_axis(axis, part))]
 
 
 def _lands(part: Part, axis: Axis) -> list[_Land]:

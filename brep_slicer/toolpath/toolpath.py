@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from brep_slicer.maps import Array
+from brep_slicer.wording import counted, in_words_of_length
 
 COLUMNS = ("layer", "bead", "kind", "x", "y", "z", "nx", "ny", "nz", "kappa", "v", "radius", "speed")
 KINDS = ("deposit", "travel")
@@ -55,6 +56,12 @@ class Toolpath:
                 raise ValueError(f"{name} has {len(array)} rows, layer has {n}")
             array.flags.writeable = False
             object.__setattr__(self, name, array)
+
+    def __repr__(self) -> str:
+        length, layers = self.segment_lengths(), len(np.unique(self.layer))
+        laid, moved = (in_words_of_length(float(length[mine].sum())) for mine in (self.deposits, ~self.deposits))
+        beads = counted(len(np.unique(self.bead)), "bead")
+        return f"Toolpath({counted(layers, 'layer')}, {beads}, {counted(len(self), 'point')}, {laid} deposited, {moved} travel)"
 
     def __len__(self) -> int:
         return len(self.layer)

@@ -69,7 +69,7 @@ def inspect(
     as_json: Annotated[bool, typer.Option("--json", help="Print plain JSON.")] = False,
 ) -> None:
     """Say what a part looks like to a planner: axis, cylinders, radial range, overhangs."""
-    from brep_slicer.inspection import inspect_part
+    from brep_slicer.inspection import inspect_part, volume_text
 
     found = inspect_part(_part(part, unit, solid), axis=axis, substrate=substrate)
     if as_json:
@@ -79,7 +79,8 @@ def inspect(
     for s in found.solids:
         low, high = s["radial_range_mm"]
         kinds = ", ".join(f"{count} {kind}" for kind, count in s["faces"].items())
-        lines.append(f"  {s['index']}: {s['name']}: {s['volume_mm3']:.6g} mm3, R {low:.6g} to {high:.6g} mm; faces: {kinds}")
+        volume = volume_text(s["volume_mm3"], s["volume_uncertainty_mm3"])
+        lines.append(f"  {s['index']}: {s['name']}: {volume}, R {low:.6g} to {high:.6g} mm; faces: {kinds}")
     lines.append(f"axis: {', '.join(found.candidates) if axis is None else axis}")
     for c in found.cylinders:
         lines.append(

@@ -19,6 +19,10 @@ class InputError(BrepSlicerError, ValueError):
     exit_code = 2
 
 
+class EmptySolidError(InputError):
+    """A solid without volume (exit code 2, if there is no other)."""
+
+
 class PlanningError(BrepSlicerError):
     """A sound part that cannot be planned: no axis, several axes, no layer (exit code 3)."""
 

@@ -15,6 +15,7 @@ from brep_slicer.field import radial_gradient, radii_of
 from brep_slicer.geometry import Face
 from brep_slicer.part import Part, as_part
 from brep_slicer.section import CutSolid, cut_solids
+from brep_slicer.section.oracle import closure_of
 from brep_slicer.substrate.axis import Axis, as_axis, axis_candidates, describe_candidate
 from brep_slicer.substrate.radius import CylinderCandidate, coaxial_cylinders, find_substrate
 from brep_slicer.wording import counted, shortened
@@ -22,6 +23,8 @@ from brep_slicer.wording import counted, shortened
 # A face overhangs where its outward normal points towards the axis by more than this (a slope of 1 degree).
 OVERHANG = 0.0175
 SAMPLES = 9
+# Panels of the surface integral that measures a volume; the two results tell its error.
+VOLUME_PANELS = (3, 5)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -104,16 +107,34 @@ def inspect_part(part: Any, *, axis: Any = None, substrate: float | None = None)
 
 def _described(part: Part, solid: CutSolid) -> dict[str, Any]:
     from brep_slicer.kernel.revolutes import surface_kinds
-    from brep_slicer.kernel.shapes import volume_of
 
+    volume, uncertainty = measured_volume(solid)
     return {
         "index": solid.index,
         "name": solid.name,
-        "volume_mm3": volume_of(solid.wrapped),
+        "volume_mm3": volume,
+        "volume_uncertainty_mm3": uncertainty,
         "radial_range_mm": [solid.critical.lowest, solid.critical.highest],
         "faces": surface_kinds(solid.wrapped),
         "critical_radii": len(solid.critical.radii),
     }
+
+
+def measured_volume(solid: CutSolid) -> tuple[float, float]:
+    """A solid's volume by the surface integral, and how far it is uncertain, mm**3.
+
+    Two quadratures tell what the integral is good for; by how far the faces fail to close, what the file is good for: where
+    they gape, the volume depends on where it is measured from. (OCCT's quadrature was 4e-3 off on a worm, and does not say so.)
+    """
+    coarse, fine = (closure_of(solid.brep, panels=panels) for panels in VOLUME_PANELS)
+    return fine.volume, abs(fine.volume - coarse.volume) + fine.defect * abs(fine.volume)
+
+
+def volume_text(volume: float, uncertainty: float) -> str:
+    """A volume with the digits that it has, six at most, and what it is good for where that is fewer (mm**3)."""
+    if uncertainty <= 1e-6 * abs(volume):
+        return f"{volume:.6g} mm3"
+    return f"{volume:.6g} mm3 (to {uncertainty:.1g})"
 
 
 def overhang_share(solids: tuple[CutSolid, ...], beyond: float) -> float:

@@ -10,8 +10,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from brep_slicer.errors import InputError
+from brep_slicer.errors import EmptySolidError, InputError
 from brep_slicer.wording import counted, shortened
+
+# So many solids are named in one line.
+MOST_NAMED = 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -135,11 +138,23 @@ def _checked_part(pairs: list[tuple[str, Any]], *, source: str, unit: str, solid
         part = part.select(solids)
     good: list[Solid] = []
     notes: list[str] = []
+    empty: list[str] = []
     for solid in part.solids:
         try:
             wrapped, said = checked_solid(solid.wrapped, solid.name)
+        except EmptySolidError:
+            empty.append(repr(solid.name))
+            continue
         except InputError as error:
             raise InputError(f"{source}: {error}") from None
         good.append(replace(solid, wrapped=wrapped))
         notes.extend(said)
+    if empty:
+        named = f"solid {empty[0]} has" if len(empty) == 1 else f"{len(empty)} solids ({', '.join(empty[:MOST_NAMED])}"
+        if len(empty) > 1:
+            named += f"{', ...' if len(empty) > MOST_NAMED else ''}) have"
+        reason = f"{named} no volume: the faces lie within their tolerance of each other"
+        if not good:
+            raise InputError(f"{source}: {reason}; repair the part in the CAD system, a union may have failed there")
+        notes.append(f"{reason}; left out")
     return replace(part, solids=tuple(good), notes=tuple(notes))

@@ -10,21 +10,28 @@ from typing import Any
 
 import numpy as np
 from OCP.BinTools import BinTools
+from OCP.Bnd import Bnd_Box
 from OCP.BRep import BRep_Builder
+from OCP.BRepBndLib import BRepBndLib
 from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
 from OCP.BRepCheck import BRepCheck_Analyzer
-from OCP.BRepGProp import BRepGProp
+from OCP.BRepGProp import BRepGProp, BRepGProp_Domain, BRepGProp_Face, BRepGProp_Vinert
 from OCP.gp import gp_Pnt, gp_Trsf
 from OCP.GProp import GProp_GProps
+from OCP.ShapeAnalysis import ShapeAnalysis_ShapeTolerance
 from OCP.ShapeFix import ShapeFix_Shape
-from OCP.TopAbs import TopAbs_SOLID
+from OCP.TopAbs import TopAbs_FACE, TopAbs_SOLID
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Compound, TopoDS_Shape
 
-from brep_slicer.errors import InputError
+from brep_slicer.errors import EmptySolidError, InputError
 
-from .compat import as_solid, sub_shapes
+from .compat import as_face, as_solid, sub_shapes
 from .silence import silenced
+from .untrimmed import untrimmed
+
+# A solid whose faces are on average farther apart than this share of its diagonal has a volume; thinner ones are looked at.
+THIN = 1e-2
 
 
 def transformed(shape: Any, matrix: np.ndarray) -> Any:
@@ -55,6 +62,8 @@ def checked_solid(solid: Any, name: str) -> tuple[Any, tuple[str, ...]]:
 
     Raises
     ------
+    EmptySolidError
+        If the solid has no volume; the message names it.
     InputError
         If the solid is invalid and stays so after healing, or the kernel fails on it; the message names it.
     """
@@ -80,12 +89,47 @@ def _checked(solid: Any, name: str) -> tuple[Any, tuple[str, ...]]:
             raise InputError(f"solid {name!r} is invalid and cannot be healed; repair it in the CAD system")
         solid = as_solid(healed[0])
         notes.append(f"solid {name!r} was invalid as read and has been healed")
+    solid = untrimmed(solid)
     properties = GProp_GProps()
     BRepGProp.VolumeProperties_s(solid, properties)
+    if not _has_volume(solid, float(properties.Mass())):
+        raise EmptySolidError(f"solid {name!r} has no volume: its faces lie within its tolerance of each other")
     if properties.Mass() < 0.0:
         solid = as_solid(solid.Reversed())
         notes.append(f"solid {name!r} was inside out and has been turned")
     return solid, tuple(notes)
+
+
+def _has_volume(solid: Any, volume: float) -> bool:
+    """Whether a solid's volume (mm**3) is more than what its tolerance, or the gaps between its faces, may make of nothing.
+
+    Faces within the tolerance of each other enclose no more than area * tolerance. What does not close by the vector area c
+    has a volume that changes by c . s where it is measured from a place s farther on: anywhere within the solid is as good.
+    """
+    properties = GProp_GProps()
+    BRepGProp.SurfaceProperties_s(solid, properties)
+    area = abs(float(properties.Mass()))
+    box = Bnd_Box()
+    BRepBndLib.Add_s(solid, box)
+    low, high = (np.array([p.X(), p.Y(), p.Z()]) for p in (box.CornerMin(), box.CornerMax()))
+    diagonal = float(np.linalg.norm(high - low))
+    if 2.0 * abs(volume) > THIN * diagonal * area:
+        return True
+    tolerance = float(ShapeAnalysis_ShapeTolerance().Tolerance(solid, 1))
+    middle = 0.5 * (low + high)
+    here, *there = (_volume_from(solid, apex) for apex in [middle, *(middle + diagonal * np.eye(3))])
+    return abs(here) > max(area * tolerance, *(abs(volume - here) for volume in there))
+
+
+def _volume_from(solid: Any, apex: np.ndarray) -> float:
+    """The volume of the cones from an apex (3,) over a solid's faces, mm**3."""
+    total, over = 0.0, BRepGProp_Vinert()
+    over.SetLocation(gp_Pnt(*apex.tolist()))
+    for shape in sub_shapes(solid, TopAbs_FACE):
+        face = as_face(shape)
+        over.Perform(BRepGProp_Face(face), BRepGProp_Domain(face))
+        total += float(over.Mass())
+    return total
 
 
 def compound(shapes: Any) -> Any:

@@ -191,18 +191,24 @@ def _heights(face: Face, found: FaceNodes, radii: Array) -> tuple[Array, Array]:
     if isinstance(surface, ElementarySurface) and surface.kind is not SurfaceKind.CYLINDER:
         base, up = surface.origin[2], surface.frame[2, 2]
         if surface.kind is SurfaceKind.CONE:
-            return np.zeros(len(found)), base + up * (r - surface.radius) / np.tan(surface.half_angle)
+            # on the other nappe, beyond the apex, the cone's own radius is negative
+            rises = [(side * r - surface.radius) / np.tan(surface.half_angle) for side in (1.0, -1.0)]
+            return _nearest(base + up * np.stack(rises), found.z)
         # a torus may be so thick that it crosses its own axis: its inner part has the profile -(major + minor cos v)
         centres = (0.0,) if surface.kind is SurfaceKind.SPHERE else (surface.radius, -surface.radius)
         tube = surface.radius if surface.kind is SurfaceKind.SPHERE else surface.minor
         rises = [np.sqrt(np.maximum(tube**2 - (r - c) ** 2, 0.0)) for c in centres]
-        heights = np.stack([base + side * rise for rise in rises for side in (1.0, -1.0)])
-        nearest = np.abs(heights - found.z).argmin(axis=0)
-        return nearest, heights[nearest, np.arange(len(found))]
+        return _nearest(np.stack([base + side * rise for rise in rises for side in (1.0, -1.0)]), found.z)
     component = clusters(found.layer, found.z, SAME_LINE)
     # both ends of an arc are given the height of the first node on its circle: one line v = const
     _, first, where = np.unique(component, return_index=True, return_inverse=True)
     return component, found.z[first][where]
+
+
+def _nearest(heights: Array, z: Array) -> tuple[Array, Array]:
+    """Of several heights (m, n) the number and the value of the one next to each z (n,)."""
+    nearest = np.abs(heights - z).argmin(axis=0)
+    return nearest, heights[nearest, np.arange(len(z))]
 
 
 def _sinusoids(face: Face, found: FaceNodes, radii: Array) -> FaceArcs:

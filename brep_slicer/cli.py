@@ -22,6 +22,9 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
+# So many lines of one kind of warning are shown; the report has all of them.
+MOST_OF_A_KIND = 5
+
 PartFile = Annotated[Path, typer.Argument(help="STEP file of the part.", metavar="PART.step")]
 AxisText = Annotated[
     str | None,
@@ -163,9 +166,9 @@ def plan(
 ) -> None:
     """Plan the deposition of a part: toolpath.csv, toolpath.json, report.json, layers.png, toolpath.png."""
     from brep_slicer.output.atomic import ensure_folder
-    from brep_slicer.output.write import write_plan
-    from brep_slicer.planning import check_complete
-    from brep_slicer.planning import plan as plan_part
+    from brep_slicer.output.report import summary_of_sections
+    from brep_slicer.output.write import write_plan, write_report
+    from brep_slicer.planning import check_complete, cut_layers, fill_layers
 
     given = {
         "layer_thickness": layer_thickness,
@@ -189,40 +192,47 @@ def plan(
     settings = _process(process, given)
     read = _part(part, unit, solid)
     ensure_folder(out)
-    with _progress("layers") as advance:
-        made = plan_part(
-            read,
-            settings,
-            axis=axis,
-            substrate=substrate,
-            layers=layers,
-            engine=engine,
-            progress=advance,
-        )
+    with _progress("sections") as advance:
+        sections = cut_layers(read, settings, axis=axis, substrate=substrate, layers=layers, engine=engine, progress=advance)
+    # what is known of the sections is said at once: beads and proof may take minutes
+    _warn(sections.notices)
+    if sections.failed and not allow_failed:
+        write_report(sections, out)
+        check_complete(sections)
+    typer.echo(f"sections: {summary_of_sections(sections)}")
+    with _progress("beads") as advance:
+        made = fill_layers(sections, progress=advance)
+    _warn(made.notices[len(sections.notices) :])
     if proof:
         with _progress("proof") as advance:
             made.proof(progress=advance)
     written = write_plan(made, out, allow_failed=allow_failed, step=step, dxf=dxf, proof=proof)
-    if not allow_failed:
-        check_complete(made)
     _say(made, proof=proof)
     typer.echo("written: " + ", ".join(str(path) for path in written))
 
 
+def _warn(notices: Any) -> None:
+    """Warnings on standard error, of each kind no more than a screen holds; none hides another kind."""
+    kinds = list(dict.fromkeys(notice.kind for notice in notices))
+    for kind in kinds:
+        alike = [notice for notice in notices if notice.kind is kind]
+        for notice in alike[:MOST_OF_A_KIND]:
+            typer.echo(f"warning: {notice}", err=True)
+        if len(alike) > MOST_OF_A_KIND:
+            typer.echo(f"warning: {len(alike) - MOST_OF_A_KIND} more of this kind ({kind.value}) in report.json", err=True)
+
+
 def _say(made: Any, *, proof: bool) -> None:
-    """Warnings on standard error, what was planned on standard output."""
-    for warning in made.warnings[:20]:
-        typer.echo(f"warning: {warning}", err=True)
-    if len(made.warnings) > 20:
-        typer.echo(f"warning: {len(made.warnings) - 20} more in report.json", err=True)
-    report = made.report()
-    totals = report["totals"]
+    """What was planned, on standard output."""
+    totals = made.report()["totals"]
+    first, last = made.layers[0], made.layers[-1]
+    which = f"numbers {first.index} to {last.index} at R" if last is not first else f"number {first.index} at R"
+    radii = f"{first.radius:.6g} to {last.radius:.6g} mm" if last is not first else f"{first.radius:.6g} mm"
     typer.echo(
-        f"{len(made.layers)} layers on R {made.substrate.radius:.6g} mm ({made.substrate.reason}); {totals['beads']} beads,"
-        f" {_length(totals['deposition_length_mm'])} deposited in {_time(totals['deposition_time_s'])},"
-        f" {_length(totals['travel_length_mm'])} travel"
+        f"{len(made.layers)} layers on R {made.substrate.radius:.6g} mm, {which} {radii} ({made.substrate.reason});"
+        f" {totals['beads']} beads, {_length(totals['deposition_length_mm'])} deposited in"
+        f" {_time(totals['deposition_time_s'])}, {_length(totals['travel_length_mm'])} travel"
     )
-    typer.echo(f"sections: {report['sections']}")
     if proof:
         from brep_slicer.proof import summary_of_proof
 

@@ -6,6 +6,9 @@ is one line that says what is wrong and what to do about it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 
 class BrepSlicerError(Exception):
     """Base of every error that this library raises on purpose."""
@@ -30,9 +33,13 @@ class PlanningError(BrepSlicerError):
 
 
 class LayerError(BrepSlicerError):
-    """Some layer could not be cut with certainty (exit code 4)."""
+    """Some layer could not be cut with certainty (exit code 4); the layers of a plan that failed are its `failed`."""
 
     exit_code = 4
+
+    def __init__(self, *words: object, failed: Sequence[Any] = ()) -> None:
+        super().__init__(*words)
+        self.failed = tuple(failed)
 
 
 class KernelError(BrepSlicerError):

@@ -233,40 +233,99 @@ def test_help_is_there():
         assert done.stdout
 
 
-def test_a_failed_layer_writes_the_report_alone(tmp_path, monkeypatch):
+@pytest.fixture
+def broken_at(monkeypatch):
+    """Makes both engines fail at the given radii (None: at all)."""
     from brep_slicer.errors import LayerError
-    from brep_slicer.output.write import write_plan
-    from brep_slicer.planning import check_complete
     from brep_slicer.section import engines
 
     real = engines.sections_by_analysis
 
-    def broken(solid, radii):
-        near = np.abs(np.asarray(radii) - 151.4) < 0.1
-        return [LayerError("made to fail") if n else f for n, f in zip(near, real(solid, radii), strict=True)]
+    def no_second_opinion(*args, **kwargs):
+        raise LayerError("neither can this one")
+
+    def break_at(*bad):
+        def broken(solid, radii):
+            near = [any(abs(r - b) < 0.1 for b in bad) for r in radii]
+            return [LayerError("made to fail") if n else f for n, f in zip(near, real(solid, radii), strict=True)]
+
+        monkeypatch.setattr(engines, "sections_by_analysis", broken)
+        monkeypatch.setattr(engines, "section_by_boolean", no_second_opinion)
+
+    return break_at
+
+
+PROCESS = bs.Process(layer_thickness=1.4, step_over=3.4)
+
+
+def test_a_failed_layer_raises_before_anything_is_filled(broken_at, monkeypatch):
+    from brep_slicer.errors import LayerError
+    from brep_slicer.planning import planner
+
+    broken_at(151.4, 154.2)
+    monkeypatch.setattr(planner, "fill_layer", lambda *args, **kwargs: pytest.fail("a layer was filled"))
+    with pytest.raises(LayerError, match=r"2 of 5 layers failed, first layer 1 .*then 3 .*--allow-failed") as caught:
+        bs.plan(bs.read_step(TOOTH), PROCESS, layers=(0, 5))
+    assert caught.value.exit_code == 4
+    assert [(layer.index, layer.failed) for layer in caught.value.failed] == [(1, True), (3, True)]
+    assert "\n" not in str(caught.value)
+
+
+def test_a_failed_layer_writes_the_report_alone(tmp_path, broken_at):
+    from brep_slicer.errors import LayerError
+    from brep_slicer.output.write import write_plan
+
+    broken_at(151.4)
+    plan = bs.plan(bs.read_step(TOOTH), PROCESS, layers=(0, 3), allow_failed=True)
+    # no mixture of types: whatever is said of all layers holds
+    assert [layer.index for layer in plan.layers] == [0, 2]
+    assert all(layer.area > 0.0 for layer in plan.layers)
+    assert len(plan.fills) == 2
+    assert [layer.index for layer in plan.failed] == [1]
+    with pytest.raises(LayerError, match="1 of 3 layers failed"):
+        write_plan(plan, tmp_path)
+    assert [p.name for p in tmp_path.iterdir()] == ["report.json"]
+    report = json.loads((tmp_path / "report.json").read_text())
+    assert report["failed_layers"] == 1
+    assert [row["layer"] for row in report["layers"]] == [0, 1, 2]
+    assert "area_mm2" not in report["layers"][1]
+    assert len(write_plan(plan, tmp_path / "anyway", allow_failed=True)) == len(FILES)
+
+
+def test_the_command_writes_the_report_alone_and_says_which_layers_failed(tmp_path, broken_at, monkeypatch, capsys):
+    from brep_slicer import cli
+
+    broken_at(151.4, 152.8)
+    words = ["brep-slicer", "plan", str(TOOTH), "-t", "1.4", "-d", "3.4", "--layers", "0:4", "-o", str(tmp_path / "out")]
+    for more, code, files in (([], 4, 1), (["--allow-failed"], 0, len(FILES))):
+        monkeypatch.setattr(sys, "argv", [*words, *more])
+        with pytest.raises(SystemExit) as done:
+            cli.main()
+        said = capsys.readouterr()
+        assert done.value.code == code
+        assert len(list((tmp_path / "out").iterdir())) == files
+        # the layers, by number and reason, in one line
+        assert "warning: layers 1 to 2: failed (R 151.4 to 152.8 mm): " in said.err
+        report = json.loads((tmp_path / "out" / "report.json").read_text())
+        assert [row["failed"] for row in report["layers"]] == [False, True, True, False]
+        assert ("beads" in report["layers"][0]) == (code == 0)
+    assert said.out.startswith("sections: 2 by analytic, 2 failed")
+
+
+def test_a_failed_sliver_of_a_last_layer_names_its_remedy(monkeypatch):
+    from brep_slicer.errors import LayerError
+    from brep_slicer.section import engines
 
     def no_second_opinion(*args, **kwargs):
         raise LayerError("neither can this one")
 
-    monkeypatch.setattr(engines, "sections_by_analysis", broken)
-    monkeypatch.setattr(engines, "section_by_boolean", no_second_opinion)
-    plan = bs.plan(bs.read_step(TOOTH), bs.Process(layer_thickness=1.4, step_over=3.4), layers=(0, 3))
-    assert [layer.failed for layer in plan.layers] == [False, True, False]
-    assert [p.name for p in write_plan(plan, tmp_path)] == ["report.json"]
-    report = json.loads((tmp_path / "report.json").read_text())
-    assert report["failed_layers"] == 1
-    assert "area_mm2" not in report["layers"][1]
-    with pytest.raises(LayerError, match=r"1 of 3 layers failed, first layer 1 .*--allow-failed") as caught:
-        check_complete(plan)
-    assert caught.value.exit_code == 4
-    assert len(write_plan(plan, tmp_path / "anyway", allow_failed=True)) == len(FILES)
     # the tooth is 43.4 mm high: of 31 layers of 1.4 mm the last is whole, of 28 of 1.6 mm an eighth of one
     monkeypatch.setattr(engines, "sections_by_analysis", lambda solid, radii: [LayerError("made to fail")] * len(radii))
+    monkeypatch.setattr(engines, "section_by_boolean", no_second_opinion)
     for thickness, last, remedy in ((1.4, 30, "--allow-failed plans"), (1.6, 27, "--last-layer drop")):
         process = bs.Process(layer_thickness=thickness, step_over=3.4)
-        plan = bs.plan(bs.read_step(TOOTH), process, layers=(last, last + 1))
         with pytest.raises(LayerError, match=remedy):
-            check_complete(plan)
+            bs.plan(bs.read_step(TOOTH), process, layers=(last, last + 1))
 
 
 def test_a_fallback_is_said(monkeypatch):

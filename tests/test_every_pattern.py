@@ -72,7 +72,7 @@ def _check(name, **changes):
     process = process.updated(**changes)
     for layer in layers:
         fill = fill_layer(layer, process)
-        inset, said = process.value("inset"), " ".join(fill.notes)
+        inset, said = process.value("inset"), " ".join(map(str, fill.notes))
         for index, piece in enumerate(layer.region.pieces):
             mine = [bead for bead in fill.beads if bead.piece == index]
             # no piece is missing without a word

@@ -182,14 +182,14 @@ def test_a_piece_narrower_than_a_bead_gets_one_along_its_skeleton_and_that_is_sa
     (bead,) = fill.beads
     assert bead.kind.value == "skeleton"
     assert np.allclose(bead.points[:, 0], 2.0)
-    assert "too narrow for a bead 2.45 mm inside of its outline: one bead along its skeleton" in fill.notes[0]
+    assert "too narrow for a bead 2.45 mm inside of its outline: one bead along its skeleton" in str(fill.notes[0])
 
 
 def test_a_piece_without_a_bead_is_said():
     tiny = region_from_loops(R, [rectangle(0.0, 0.0, 3.0, 4.0)])
     fill = fill_region(tiny, Hatch(angle=0.0), **ARGS)
     assert not fill.beads
-    assert "left bare" in fill.notes[0]
+    assert "left bare" in str(fill.notes[0])
 
 
 @given(st.floats(2.45 * D, 40.0))
@@ -203,7 +203,7 @@ def test_short_beads_are_counted():
     region = region_from_loops(R, [rectangle(0.0, 0.0, 6.0, 30.0)])
     fill = fill_region(region, Hatch(angle=0.0), **ARGS, shortest_bead=2.0)
     assert [b.kind.value for b in fill.beads] == ["skeleton"]
-    assert "beads shorter than 2 mm left out" in fill.notes[0]
+    assert "beads shorter than 2 mm left out" in str(fill.notes[0])
 
 
 PATTERNS = {

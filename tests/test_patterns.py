@@ -108,7 +108,7 @@ def test_a_helix_begins_where_it_is_told(theta, starts, left_handed):
 
 def test_a_helix_on_a_piece_that_does_not_wind_is_said():
     fill = fill_region(box(), Helix(), **ARGS)
-    assert "does not go all the way round" in fill.notes[0]
+    assert "does not go all the way round" in str(fill.notes[0])
 
 
 def test_flank_following_on_the_helical_tooth(fixture_step):

@@ -171,7 +171,7 @@ def test_flanks_of_a_smooth_outline_run_from_tip_to_tip(ratio):
 def test_where_beads_would_be_squeezed_some_end():
     region = polygon((-15, 0), (15, 0), (4, 60), (-4, 60))
     fill = fill_region(region, FlankFollowing(), **ON)
-    assert "beads end and fewer go on" in fill.notes[0]
+    assert "beads end and fewer go on" in str(fill.notes[0])
     assert coverage_of(region, fill.beads, W).bare_share < 0.005
 
 

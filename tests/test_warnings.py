@@ -9,13 +9,23 @@ import pytest
 
 import brep_slicer as bs
 from brep_slicer.fill import Contours, FlankFollowing, Hatch, fill_region
-from brep_slicer.planning.warnings import warnings_of
+from brep_slicer.notices import Notice, NoticeKind
+from brep_slicer.planning.warnings import notices_of_fills, notices_of_sections
 from brep_slicer.proof import coverage_of
 from brep_slicer.region import region_from_loops
 
 from .test_fill import ARGS, R, rectangle
 
 T, D = 1.4, 3.4
+
+
+def warnings_of(layers, fills, process):
+    """The sentences, as a plan's report has them."""
+    return [str(n) for n in (*notices_of_sections(layers, (), process), *notices_of_fills(layers, fills, process))]
+
+
+def note(text, *pieces):
+    return Notice(kind=NoticeKind.PATTERN, text=text, pieces=pieces)
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +39,8 @@ def test_nothing_where_nothing_is_amiss(plan):
 
 
 def test_a_note_on_several_layers_and_pieces_is_one_line(plan):
-    notes = [("piece 0: thin", "piece 1: thin"), (), ("piece 0: thin",), ("piece 4: thin", "cold"), ("cold",)]
+    thin, cold = (note("thin", 0), note("thin", 1)), note("cold")
+    notes = [thin, (), thin[:1], (note("thin", 4), cold), (cold,)]
     fills = [replace(fill, notes=said) for fill, said in zip(plan.fills, notes, strict=True)]
     assert warnings_of(plan.layers, fills, plan.process) == [
         "layers 0, 2 to 3, pieces 0 to 1, 4: thin",

@@ -14,6 +14,7 @@ import numpy as np
 
 from brep_slicer.curves.base import frozen_array
 from brep_slicer.maps import Array
+from brep_slicer.notices import Notice
 from brep_slicer.wording import counted
 
 
@@ -75,13 +76,13 @@ class LayerFill:
     """The beads of one layer in the order of deposition, and what the pattern had to say about them.
 
     `angle` and `step_over` are those used (rad, mm), by piece: on a full turn they differ from those asked by the closing
-    rule. `notes` are warnings in words (a piece too narrow for a bead, say), never silent.
+    rule. `notes` are what is to be warned of (a piece too narrow for a bead, say), never silent.
     """
 
     beads: tuple[Bead, ...]
     angle: tuple[float, ...] = ()
     step_over: tuple[float, ...] = ()
-    notes: tuple[str, ...] = ()
+    notes: tuple[Notice, ...] = ()
 
     def __repr__(self) -> str:
         length = sum(bead.length() for bead in self.beads)

@@ -11,6 +11,7 @@ from functools import partial
 
 import numpy as np
 
+from brep_slicer.notices import Notice, NoticeKind
 from brep_slicer.process import InnerPattern, Order, Process, Rule
 from brep_slicer.region import Layer, Piece, band_between, polygon_from_piece
 
@@ -114,14 +115,15 @@ def fill_layer(layer: Layer, process: Process, pattern: PatternChoice | None = N
     return replace(fill, beads=tuple(_at_contour_speed(bead, process) for bead in beads))
 
 
-def _at_the_limit(beads: Sequence[Bead], limits: tuple[float, float]) -> tuple[str, ...]:
+def _at_the_limit(beads: Sequence[Bead], limits: tuple[float, float]) -> tuple[Notice, ...]:
     """A note where the speeds that the spacing asks for are mostly beyond what is allowed."""
     steps = [np.hypot(*np.diff(bead.points, axis=0).T) for bead in beads]
     out = []
     for limit, word in zip(limits, ("lower", "higher"), strict=True):
         held = sum(float(s[b.speed[1:] == limit].sum()) for s, b in zip(steps, beads, strict=True) if b.speed is not None)
         if limit != 1.0 and held > MUCH * sum(float(s.sum()) for s in steps):
-            out.append(f"the speed is held at {limit:g} times the usual along much of the beads: the height is {word} than t")
+            text = f"the speed is held at {limit:g} times the usual along much of the beads: the height is {word} than t"
+            out.append(Notice(kind=NoticeKind.SPEED, text=text))
     return tuple(out)
 
 
@@ -136,5 +138,7 @@ def _cooled(fill: LayerFill, process: Process) -> LayerFill:
     """The beads in an order that lets neighbours cool, and a note where it cannot."""
     speeds = float(process.value("deposition_speed_mm_s")), float(process.value("travel_speed_mm_s"))
     made = in_cool_order(fill.beads, step_over=process.step_over, rest=process.rest_s, speed=speeds[0], travel_speed=speeds[1])
-    note = f"{made.too_soon} beads start beside one that ended less than {process.rest_s:g} s ago"
+    count = float(made.too_soon)
+    text = f"{{count}} beads start beside one that ended less than {process.rest_s:g} s ago"
+    note = Notice(kind=NoticeKind.SPEED, text=text, figures={"count": (count, count)})
     return replace(fill, beads=made.beads, notes=(*fill.notes, note) if made.too_soon else fill.notes)

@@ -12,6 +12,7 @@ import abc
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from brep_slicer.notices import AREA, Notice, NoticeKind
 from brep_slicer.region import Piece, Region
 from brep_slicer.wording import shortened
 
@@ -139,7 +140,7 @@ def fill_region(
         Beads piece by piece; a piece without any is named in the notes.
     """
     beads: list[Bead] = []
-    notes: list[str] = []
+    notes: list[Notice] = []
     angles, steps = [], []
     cells = [
         Cell(piece=piece, index=index, inset=inset, step_over=step_over, width=width, chord=chord)
@@ -148,13 +149,16 @@ def fill_region(
     fills = _fills(cells, [pattern if isinstance(pattern, Pattern) else pattern(cell.piece) for cell in cells])
     for index, (cell, made) in enumerate(zip(cells, fills, strict=True)):
         long = [bead for bead in made.beads if not shortest_bead or bead.length() >= shortest_bead]
-        notes += [f"piece {index}: {note}" for note in made.notes]
+        notes += [Notice(kind=NoticeKind.PATTERN, text=note, pieces=(index,)) for note in made.notes]
         if len(long) < len(made.beads):
-            notes.append(f"piece {index}: {len(made.beads) - len(long)} beads shorter than {shortest_bead:g} mm left out")
+            count = float(len(made.beads) - len(long))
+            text = f"{{count}} beads shorter than {shortest_bead:g} mm left out"
+            notes.append(Notice(kind=NoticeKind.SHORT_BEADS, text=text, pieces=(index,), figures={"count": (count, count)}))
         if not long:
             long, note = _narrow(cell, shortest_bead)
-            where = f"piece {index} ({cell.piece.area():.4g} mm2)"
-            notes.append(f"{where}: too narrow for a bead {inset:g} mm inside of its outline: {note}")
+            area = cell.piece.area()
+            text = f"too narrow for a bead {inset:g} mm inside of its outline: {note}"
+            notes.append(Notice(kind=NoticeKind.NARROW, text=text, pieces=(index,), figures={AREA: (area, area)}))
         beads += long
         angles.append(float("nan") if made.angle is None else made.angle)
         steps.append(step_over if made.step_over is None else made.step_over)

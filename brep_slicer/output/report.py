@@ -1,6 +1,6 @@
 """report.json: what was planned, from what, with which checks.
 
-In: a Plan. Out: plain values.
+In: a Plan, or the sections of one that failed before it was filled. Out: plain values.
 """
 
 from __future__ import annotations
@@ -9,10 +9,12 @@ import math
 from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
+from brep_slicer.planning import Plan
 from brep_slicer.region import FailedLayer, Layer
 
 if TYPE_CHECKING:
-    from brep_slicer.planning import Plan
+    from brep_slicer.fill import LayerFill
+    from brep_slicer.planning import PlanSections
 
 
 def version() -> str:
@@ -23,7 +25,7 @@ def version() -> str:
         return "unknown"
 
 
-def header_of_plan(plan: Plan) -> dict[str, Any]:
+def header_of_plan(plan: PlanSections) -> dict[str, Any]:
     """What every output echoes: version, part, parameters and which of them were assumed."""
     return {
         "brep_slicer": version(),
@@ -36,17 +38,16 @@ def header_of_plan(plan: Plan) -> dict[str, Any]:
     }
 
 
-def report_of_plan(plan: Plan) -> dict[str, Any]:
+def report_of_plan(plan: PlanSections) -> dict[str, Any]:
     """The report as plain values (no NaN: what is not known is null)."""
     layers = _layers(plan)
     total = {
         key: math.fsum(layer[key] for layer in layers if layer.get(key) is not None)
         for key in ("deposition_length_mm", "travel_length_mm", "deposition_time_s", "travel_time_s")
     }
-    whole = [layer for layer in plan.layers if isinstance(layer, Layer)]
     total["beads"] = sum(layer.get("beads") or 0 for layer in layers)
-    total["area_mm2"] = math.fsum(layer.area for layer in whole)
-    total["volume_mm3"] = math.fsum(layer.area * (layer.thickness or 0.0) for layer in whole)
+    total["area_mm2"] = math.fsum(layer.area for layer in plan.layers)
+    total["volume_mm3"] = math.fsum(layer.area * (layer.thickness or 0.0) for layer in plan.layers)
     return {
         **header_of_plan(plan),
         "solids": [
@@ -60,37 +61,42 @@ def report_of_plan(plan: Plan) -> dict[str, Any]:
         },
         "outermost_radius_mm": plan.highest,
         "overshoot_mm": plan.stack.overshoot,
-        "layer_count": len(plan.layers),
+        "layer_count": len(plan.layers) + len(plan.failed),
         "failed_layers": len(plan.failed),
         "sections": summary_of_sections(plan),
         "totals": {**total, "powder_mass_g": powder_mass(plan, total["deposition_time_s"])},
         "catchment": plan.process.catchment,
         "layers": layers,
         "warnings": list(plan.warnings),
+        "notices": [notice.as_dict() for notice in plan.notices],
     }
 
 
-def summary_of_sections(plan: Plan) -> str:
+def summary_of_sections(plan: PlanSections) -> str:
     """One line on how the layers were cut."""
-    whole = [layer for layer in plan.layers if isinstance(layer, Layer)]
-    engines = [layer.certificate.engine.value for layer in whole]
+    engines = [layer.certificate.engine.value for layer in plan.layers]
     counts = ", ".join(f"{engines.count(name)} by {name}" for name in sorted(set(engines)))
-    residual = max((layer.certificate.residual for layer in whole), default=0.0)
-    jog = max((layer.certificate.jog for layer in whole), default=0.0)
+    residual = max((layer.certificate.residual for layer in plan.layers), default=0.0)
+    jog = max((layer.certificate.jog for layer in plan.layers), default=0.0)
     failed = f", {len(plan.failed)} failed" if plan.failed else ""
     return f"{counts or 'none'}{failed}; largest residual {residual:.1e} mm, largest jog between edges {jog:.1e} mm"
 
 
-def powder_mass(plan: Plan, seconds: float) -> float | None:
+def powder_mass(plan: PlanSections, seconds: float) -> float | None:
     """Powder fed while depositing, g; None without a feed rate."""
     feed = plan.process.powder_feed_g_s
     return None if feed is None else feed * seconds
 
 
-def _layers(plan: Plan) -> list[dict[str, Any]]:
-    paths = {row["layer"]: row for row in plan.toolpath.summary_by_layer()}
+def _layers(plan: PlanSections) -> list[dict[str, Any]]:
+    """A row a layer, in their order, those that failed too; without beads where nothing has been filled."""
+    paths, fills = {}, {}
+    if isinstance(plan, Plan):
+        paths = {row["layer"]: row for row in plan.toolpath.summary_by_layer()}
+        fills = {layer.index: fill for layer, fill in zip(plan.layers, plan.fills, strict=True)}
+    every: list[Layer | FailedLayer] = [*plan.layers, *plan.failed]
     out = []
-    for layer, fill in zip(plan.layers, plan.fills, strict=True):
+    for layer in sorted(every, key=lambda layer: layer.index):
         row: dict[str, Any] = {
             "layer": layer.index,
             "radius_mm": layer.radius,
@@ -98,23 +104,30 @@ def _layers(plan: Plan) -> list[dict[str, Any]]:
             "thickness_mm": layer.thickness,
             "failed": layer.failed,
         }
-        if isinstance(layer, FailedLayer):
-            out.append({**row, "reason": layer.reason})
-            continue
-        row |= {
-            "area_mm2": layer.area,
-            "outline_length_mm": layer.region.length,
-            "pieces": len(layer.region.pieces),
-            "full_turns": sum(piece.winds for piece in layer.region.pieces),
-            **layer.certificate.as_dict(),
-            "hatch_angle_deg": [None if math.isnan(a) else math.degrees(a) for a in fill.angle],
-            "step_over_mm": list(fill.step_over),
-            "notes": list(fill.notes),
-        }
-        mine = paths.get(layer.index, {})
-        row |= {
-            key: mine.get(key, 0)
-            for key in ("beads", "deposition_length_mm", "travel_length_mm", "deposition_time_s", "travel_time_s")
-        }
+        row |= {"reason": layer.reason} if isinstance(layer, FailedLayer) else _row(layer)
+        if layer.index in fills:
+            row |= _fill_row(fills[layer.index], paths.get(layer.index, {}))
         out.append(row)
     return out
+
+
+def _row(layer: Layer) -> dict[str, Any]:
+    return {
+        "area_mm2": layer.area,
+        "outline_length_mm": layer.region.length,
+        "pieces": len(layer.region.pieces),
+        "full_turns": sum(piece.winds for piece in layer.region.pieces),
+        **layer.certificate.as_dict(),
+    }
+
+
+def _fill_row(fill: LayerFill, path: dict[str, Any]) -> dict[str, Any]:
+    return {
+        "hatch_angle_deg": [None if math.isnan(a) else math.degrees(a) for a in fill.angle],
+        "step_over_mm": list(fill.step_over),
+        "notes": [str(note) for note in fill.notes],
+        **{
+            key: path.get(key, 0)
+            for key in ("beads", "deposition_length_mm", "travel_length_mm", "deposition_time_s", "travel_time_s")
+        },
+    }

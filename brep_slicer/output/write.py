@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from brep_slicer.planning import check_complete
 
 from .atomic import ensure_folder, write_text
 from .pictures import draw_layers, draw_toolpath
@@ -15,7 +17,13 @@ from .report import header_of_plan
 from .tables import csv_from_toolpath, csv_metadata, json_from_toolpath
 
 if TYPE_CHECKING:
-    from brep_slicer.planning import Plan
+    from brep_slicer.planning import Plan, PlanSections
+
+
+def write_report(plan: PlanSections, folder: str | Path, **more: Any) -> Path:
+    """Write report.json alone: of a plan, or of sections of which some failed; `more` is added to it."""
+    report = plan.report() | more
+    return write_text(ensure_folder(folder) / "report.json", json.dumps(report, indent=1, allow_nan=False) + "\n")
 
 
 def write_plan(
@@ -32,19 +40,19 @@ def write_plan(
 
     With `proof`, report.json also says how even the metal is, and proof.png shows it.
 
-    With failed layers only report.json is written, unless `allow_failed`.
-
     Raises
     ------
     InputError
         If the folder cannot be written to.
+    LayerError
+        If layers failed, unless `allow_failed`: only report.json is written then.
     """
     place = ensure_folder(folder)
+    if not allow_failed and plan.failed:
+        write_report(plan, place)
+        check_complete(plan)
     proven = plan.proof() if proof else []
-    report = plan.report() | ({"proof": proven} if proof else {})
-    written = [write_text(place / "report.json", json.dumps(report, indent=1, allow_nan=False) + "\n")]
-    if plan.failed and not allow_failed:
-        return written
+    written = [write_report(plan, place, **({"proof": proven} if proof else {}))]
     header = header_of_plan(plan)
     written.append(write_text(place / "toolpath.csv", csv_from_toolpath(plan.toolpath)))
     written.append(write_text(place / "toolpath.csv-metadata.json", csv_metadata(header)))

@@ -3,6 +3,8 @@
 In: a part, a Process. Out: a Plan. No geometry here.
 """
 
-from .planner import Plan, check_complete, motion_of, plan
+from .planned import Plan, PlanSections
+from .planner import fill_layers, motion_of, plan
+from .sections import check_complete, cut_layers
 
-__all__ = ["Plan", "check_complete", "motion_of", "plan"]
+__all__ = ["Plan", "PlanSections", "check_complete", "cut_layers", "fill_layers", "motion_of", "plan"]

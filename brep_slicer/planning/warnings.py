@@ -1,17 +1,17 @@
-"""What a plan warns of, in as few lines as tell it.
+"""What a plan warns of, each kind of thing once.
 
-In: layers, their fills, the process. Out: sentences; the same note on several layers and pieces is one.
+In: layers, their fills, the process. Out: notices; the same thing said of several layers and pieces is one.
 """
 
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from brep_slicer.fill import LayerFill
+from brep_slicer.notices import Notice, NoticeKind, grouped
 from brep_slicer.process import Process
 from brep_slicer.region import FailedLayer, Layer, overlapping_area
 
@@ -20,110 +20,91 @@ from brep_slicer.region import FailedLayer, Layer, overlapping_area
 MOST_METAL, LEAST_METAL = 1.5, 1.0 / 3.0
 # Pieces that get less than this share of their metal are named, and pieces of which more than this share is bare for certain.
 NEXT_TO_NONE, SURELY_BARE = 0.1, 0.2
-_PIECE = re.compile(r"^piece (\d+)(?: \(([\d.e+-]+) mm2\))?: ")
 
 
-def warnings_of(layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill], process: Process) -> list[str]:
-    """Failed and empty layers, sections that lie over themselves, what patterns had to say, beads too full or too empty."""
-    out, notes = [], []
-    for layer, fill in zip(layers, fills, strict=True):
-        if isinstance(layer, FailedLayer):
-            out.append(f"layer {layer.index} (R {layer.radius:.6g} mm) failed: {layer.reason}")
-        elif layer.region.is_empty:
-            out.append(f"layer {layer.index} (R {layer.radius:.6g} mm) meets no metal")
-        notes += [(layer.index, note) for note in fill.notes]
-    out += _lying_over_themselves(layers, process)
+def notices_of_sections(layers: Sequence[Layer], failed: Sequence[FailedLayer], process: Process) -> tuple[Notice, ...]:
+    """What there is to say before anything is filled: layers that failed, that are empty, that lie over themselves."""
+    notices = [
+        _of_layer(NoticeKind.FAILED, layer, f"failed (R {{radius_mm}} mm): {layer.reason}", radius_mm=layer.radius)
+        for layer in failed
+    ]
+    notices += [
+        _of_layer(NoticeKind.EMPTY, layer, "no metal (R {radius_mm} mm)", radius_mm=layer.radius)
+        for layer in layers
+        if layer.region.is_empty
+    ]
+    notices += _lying_over_themselves(layers, process)
     if process.width < process.step_over:
-        out.append(f"beads {process.width:.4g} mm wide and {process.step_over:.4g} mm apart leave bare metal between them")
-    return [*out, *_grouped([*notes, *_almost_bare(layers, fills, process)]), *_metal(layers, fills, process)]
+        text = f"beads {process.width:.4g} mm wide and {process.step_over:.4g} mm apart leave bare metal between them"
+        notices.append(Notice(kind=NoticeKind.BARE, text=text))
+    return grouped(notices)
 
 
-def _grouped(notes: Iterable[tuple[int, str]]) -> list[str]:
-    """One sentence for each thing that is said, with the layers and the pieces it is said of, and how large those are."""
-    said: dict[str, tuple[set[int], set[int], set[float]]] = {}
-    for layer, note in notes:
-        found = _PIECE.match(note)
-        layers, pieces, areas = said.setdefault(_PIECE.sub("", note), (set(), set(), set()))
-        layers.add(layer)
-        if found:
-            pieces.add(int(found[1]))
-            areas.update([float(found[2])] if found[2] else [])
-    return [
-        f"{_numbers('layer', layers)}{', ' + _numbers('piece', pieces) if pieces else ''}{_sizes(areas)}: {note}"
-        for note, (layers, pieces, areas) in said.items()
-    ]
+def notices_of_fills(layers: Sequence[Layer], fills: Sequence[LayerFill], process: Process) -> tuple[Notice, ...]:
+    """What patterns had to say, and beads that hold too much metal or too little."""
+    said = [note.on_layer(layer.index) for layer, fill in zip(layers, fills, strict=True) for note in fill.notes]
+    return grouped([*said, *_almost_bare(layers, fills, process), *_metal(layers, fills, process)])
 
 
-def _sizes(areas: set[float]) -> str:
-    """' (1.2 mm2)', ' (1.2 to 3.4 mm2)', or nothing."""
-    if not areas:
-        return ""
-    low, high = f"{min(areas):.4g}", f"{max(areas):.4g}"
-    return f" ({low} mm2)" if low == high else f" ({low} to {high} mm2)"
+def _of_layer(kind: NoticeKind, layer: Layer | FailedLayer, text: str, **figures: float) -> Notice:
+    return Notice(kind=kind, text=text, layers=(layer.index,), figures={name: (x, x) for name, x in figures.items()})
 
 
-def _numbers(word: str, numbers: set[int]) -> str:
-    """'layer 3', 'layers 3 to 8, 12'."""
-    runs: list[list[int]] = []
-    for n in sorted(numbers):
-        if runs and n == runs[-1][1] + 1:
-            runs[-1][1] = n
-        else:
-            runs.append([n, n])
-    text = ", ".join(f"{a}" if a == b else f"{a} to {b}" for a, b in runs)
-    return f"{word}{'s' if len(numbers) > 1 else ''} {text}"
-
-
-def _lying_over_themselves(layers: Sequence[Layer | FailedLayer], process: Process) -> list[str]:
+def _lying_over_themselves(layers: Sequence[Layer], process: Process) -> list[Notice]:
     """Layers on which the solid's faces run through one another."""
-    chord = process.value("chord")
-    whole = [layer for layer in layers if isinstance(layer, Layer)]
-    over = {layer.index: area for layer in whole if (area := overlapping_area(layer.region, chord=chord)) > 0.0}
-    if not over:
-        return []
-    return [
-        f"{_numbers('layer', set(over))}: the section lies over itself, {max(over.values()):.4g} mm2 at most, which get metal"
-        " twice; the solid's faces run through one another (a thread wider than its pitch?), mend it"
-    ]
+    text = (
+        "the section lies over itself, {overlap_mm2} mm2, which get metal twice; the solid's faces run through one another"
+        " (a thread wider than its pitch?), mend it"
+    )
+    out = []
+    for layer in layers:
+        area = overlapping_area(layer.region, chord=process.value("chord"))
+        if area > 0.0:
+            out.append(_of_layer(NoticeKind.OVER_ITSELF, layer, text, overlap_mm2=area))
+    return out
 
 
-def _almost_bare(layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill], process: Process) -> list[tuple[int, str]]:
-    """Notes on pieces whose beads, if they have any, hold next to none of the metal they need, or cannot cover them."""
+def _almost_bare(layers: Sequence[Layer], fills: Sequence[LayerFill], process: Process) -> list[Notice]:
+    """Pieces whose beads, if they have any, hold next to none of the metal they need, or cannot cover them."""
+    scarce = "its beads hold less than a tenth of the metal that it needs"
+    scarce += "; a smaller step-over or inset, contours or a skeleton fill it"
+    bare = "its beads leave more than a fifth of it bare; a smaller step-over or inset, contours or another pattern cover it"
     out = []
     for layer, fill in zip(layers, fills, strict=True):
-        if not isinstance(layer, Layer):
-            continue
-        laid: dict[int, float] = {}
+        laid = laid_by_piece(fill, process)
         covered: dict[int, float] = {}
         for bead in fill.beads:
-            laid[bead.piece] = laid.get(bead.piece, 0.0) + _equal_length(bead) * process.step_over
             # no line of this length covers more, whatever its way
             most = bead.length() * process.width + 0.25 * math.pi * process.width**2
             covered[bead.piece] = covered.get(bead.piece, 0.0) + most
         for number, metal in laid.items():
             area = layer.region.pieces[number].area()
-            if metal < NEXT_TO_NONE * area:
-                share = f"piece {number}: its beads hold less than a tenth of the metal that it needs"
-                out.append((layer.index, f"{share}; a smaller step-over or inset, contours or a skeleton fill it"))
-            elif covered[number] < (1.0 - SURELY_BARE) * area and process.width >= process.step_over:
-                share = f"piece {number}: its beads leave more than a fifth of it bare"
-                out.append((layer.index, f"{share}; a smaller step-over or inset, contours or another pattern cover it"))
+            too_little = metal < NEXT_TO_NONE * area
+            uncovered = covered[number] < (1.0 - SURELY_BARE) * area and process.width >= process.step_over
+            if too_little or uncovered:
+                text = scarce if too_little else bare
+                out.append(Notice(kind=NoticeKind.BARE, text=text, layers=(layer.index,), pieces=(number,)))
     return out
 
 
-def _metal(layers: Sequence[Layer | FailedLayer], fills: Sequence[LayerFill], process: Process) -> list[str]:
+def laid_by_piece(fill: LayerFill, process: Process) -> dict[int, float]:
+    """The area (mm**2) that the beads of each piece that has any fill at the height t: their lengths times d."""
+    laid: dict[int, float] = {}
+    for bead in fill.beads:
+        laid[bead.piece] = laid.get(bead.piece, 0.0) + _equal_length(bead) * process.step_over
+    return laid
+
+
+def _metal(layers: Sequence[Layer], fills: Sequence[LayerFill], process: Process) -> list[Notice]:
     """t d times the beads' length (slower where their speed is less) against t times the area, layer by layer."""
-    off = {}
+    text = "the beads hold {share} times the metal that the layer needs; --proof shows where"
+    out = []
     for layer, fill in zip(layers, fills, strict=True):
-        if isinstance(layer, Layer) and fill.beads and layer.area > 0.0:
-            laid = math.fsum(_equal_length(bead) for bead in fill.beads) * process.step_over / layer.area
-            if not LEAST_METAL <= laid <= MOST_METAL:
-                off[layer.index] = laid
-    if not off:
-        return []
-    low, high = min(off.values()), max(off.values())
-    share = f"{low:.2g}" if high < 1.05 * low else f"{low:.2g} to {high:.2g}"
-    return [f"{_numbers('layer', set(off))}: the beads hold {share} times the metal that the layer needs; --proof shows where"]
+        if fill.beads and layer.area > 0.0:
+            share = math.fsum(laid_by_piece(fill, process).values()) / layer.area
+            if not LEAST_METAL <= share <= MOST_METAL:
+                out.append(_of_layer(NoticeKind.METAL, layer, text, share=share))
+    return out
 
 
 def _equal_length(bead) -> float:

@@ -1,0 +1,93 @@
+"""What planning gives: the sections of a part as they are to be filled, and the plan with their beads.
+
+In: what the stages made. Out: PlanSections and Plan values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from brep_slicer.fill import LayerFill
+from brep_slicer.notices import Notice
+from brep_slicer.part import Part
+from brep_slicer.process import Process
+from brep_slicer.region import FailedLayer, Layer
+from brep_slicer.section import CutSolid
+from brep_slicer.substrate.axis import Axis
+from brep_slicer.substrate.layers import LayerStack
+from brep_slicer.substrate.radius import Substrate
+from brep_slicer.toolpath import Toolpath
+from brep_slicer.wording import counted, in_words_of_length, shortened
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PlanSections:
+    """A part cut into layers: what was read, what was chosen, the layers, those that failed, what there is to warn of.
+
+    `layers` are those that were cut with certainty, `failed` the others, each with their numbers in `stack`; `solids` are the
+    part's, ready to be cut; `notices` what there is to say.
+    """
+
+    part: Part
+    process: Process
+    axis: Axis
+    axis_was_given: bool
+    substrate: Substrate
+    stack: LayerStack
+    highest: float
+    solids: tuple[CutSolid, ...] = field(repr=False)
+    layers: tuple[Layer, ...]
+    failed: tuple[FailedLayer, ...]
+    notices: tuple[Notice, ...]
+
+    def __repr__(self) -> str:
+        return f"PlanSections({self._in_short()}, {counted(len(self.notices), 'warning')})"
+
+    def _in_short(self) -> str:
+        failed = f" ({len(self.failed)} failed)" if self.failed else ""
+        layers = counted(len(self.layers) + len(self.failed), "layer")
+        return f"{shortened(self.part.source)!r}: {layers}{failed} on R {self.substrate.radius:.6g} mm"
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """The notices in words, a sentence each."""
+        return tuple(str(notice) for notice in self.notices)
+
+    def report(self) -> dict[str, Any]:
+        """Everything that report.json says, as plain values."""
+        from brep_slicer.output.report import report_of_plan
+
+        return report_of_plan(self)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Plan(PlanSections):
+    """A planned part: its sections, the `fills` of its layers (one each), the toolpath."""
+
+    fills: tuple[LayerFill, ...]
+    toolpath: Toolpath
+    _proven: list[dict[str, Any]] = field(init=False, repr=False, default_factory=list)
+
+    def __repr__(self) -> str:
+        laid = float(self.toolpath.segment_lengths()[self.toolpath.deposits].sum())
+        beads = counted(sum(len(fill.beads) for fill in self.fills), "bead")
+        return f"Plan({self._in_short()}, {beads}, {in_words_of_length(laid)}, {counted(len(self.notices), 'warning')})"
+
+    def proof(self, progress: Progress | None = None) -> list[dict[str, Any]]:
+        """How even the metal is, a row a layer: coverage, simulated deposit, step-over on the emitted points, duty.
+
+        It is worked out once; `progress` is called with (layers done, layers in all).
+        """
+        if not self._proven:
+            from brep_slicer.proof import proof_of_layers
+
+            pairs = list(zip(self.layers, self.fills, strict=True))
+            width, step_over = self.process.width, self.process.step_over
+            self._proven.extend(
+                proof_of_layers(pairs, self.toolpath, self.axis, width=width, step_over=step_over, progress=progress)
+            )
+        return list(self._proven)

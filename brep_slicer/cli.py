@@ -147,7 +147,11 @@ def plan(
         float | None, typer.Option("--chord", help="Tolerance of sampled curves, mm (default 0.01, or d / 100 for d below 1).")
     ] = None,
     last_layer: Annotated[
-        str | None, typer.Option("--last-layer", help="If the height is no multiple of t: keep, drop or stretch.")
+        str | None,
+        typer.Option(
+            "--last-layer",
+            help="Last layer if t does not divide the height: auto (kept, unless a sliver), keep, drop, stretch.",
+        ),
     ] = None,
     cut_at: Annotated[
         str | None, typer.Option("--cut-at", help="Cut layers at the bottom (default) or the middle of their thickness.")

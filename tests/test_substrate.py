@@ -42,6 +42,71 @@ def test_what_becomes_of_the_last_layer():
     assert stretched.thicknesses == pytest.approx([1.1] * 3)
 
 
+class TestSliversOfALastLayer:
+    """What the part fills to less than a twentieth of t, or to less than is known of its end, is no layer by default."""
+
+    @pytest.mark.parametrize(
+        ("substrate", "highest", "t", "count", "filled"),
+        [
+            # 20 t + 0.033, which failed an auger; an inch part; a screw; a fine cladding; half a millionth above the share
+            (10.0, 40.033, 1.5, 20, 0.033),
+            (25.4, 38.6, 1.3, 10, 0.2),
+            (3.0, 5.182, 0.06, 36, 0.022),
+            (50.0, 50.302, 0.1, 3, 0.002),
+            (10.0, 13.05, 1.0, 3, 0.05 - 5e-7),
+            (10.0, 13.05, 1.0, 3, 0.05 + 5e-7),
+        ],
+    )
+    def test_the_share(self, substrate, highest, t, count, filled):
+        height = count * t + filled
+        made = stack(substrate, substrate + height, layer_thickness=t)
+        kept = stack(substrate, substrate + height, layer_thickness=t, last_layer="keep")
+        assert (len(kept.radii), kept.undershoot) == (count + 1, 0.0)
+        assert kept.overshoot == pytest.approx(t - filled)
+        assert "overshoots the part by" in kept.notes[0]
+        if filled < 0.05 * t:
+            assert (len(made.radii), made.overshoot) == (count, 0.0)
+            assert made.undershoot == pytest.approx(filled)
+            assert f"the part's last {filled:.3g} mm are no layer: less than 5% of the thickness" in made.notes[0]
+            assert "--last-layer keep builds it" in made.notes[0]
+        else:
+            assert made == kept
+
+    def test_lists_count_by_the_thickness_of_their_last_layer(self):
+        # 0.4 + 0.8 = 1.2; 0.03 more is 3.75 % of 0.8, and 7.5 % of 0.4
+        assert len(stack(10.0, 11.23, layer_thickness=(0.4, 0.8)).radii) == 2
+        assert len(stack(10.0, 11.23, layer_thickness=(0.8, 0.4)).radii) == 3
+
+    def test_a_whole_layer_is_never_left_out(self):
+        assert len(stack(10.0, 11.0 - 1e-6, layer_thickness=1.0).radii) == 1
+
+    @pytest.mark.parametrize(("noise", "count"), [(0.0, 4), (0.1, 4), (0.31, 3), (50.0, 3)])
+    def test_the_noise_of_the_outermost_face(self, noise, count):
+        made = stack_layers(10.0, 13.3, bs.Process(step_over=1.0, layer_thickness=1.0), noise=noise)
+        assert len(made.radii) == count
+        assert ("known of its outermost face" in made.notes[0]) == (count == 3)
+
+    def test_noise_takes_no_more_than_half_a_layer(self):
+        assert len(stack_layers(10.0, 13.6, bs.Process(step_over=1.0, layer_thickness=1.0), noise=50.0).radii) == 4
+
+    def test_the_noise_of_real_parts(self, real_step):
+        from brep_slicer.section import cut_solids, noise_of_outermost
+
+        # the blades' tips wander between R 299.991 and 300.001, and their edges say so; the hub's are exact
+        part = bs.read_step(real_step("propeller_3blade_hub_openaxis.step"))
+        hub, *blades = cut_solids(part, bs.find_axis(part))
+        assert noise_of_outermost(hub) < 1e-6
+        assert all(0.009 < noise_of_outermost(blade) < 0.02 for blade in blades)
+
+    def test_a_plan_says_it(self, fixture_step):
+        # 43.4 = 28 * 1.549 + 0.028
+        part = bs.read_step(fixture_step("spur_gear_tooth"))
+        made = bs.plan(part, bs.Process(layer_thickness=1.549, step_over=3.4), layers="26:")
+        assert [layer.index for layer in made.layers] == [26, 27]
+        assert made.report()["undershoot_mm"] == pytest.approx(0.028)
+        assert any("last 0.028 mm are no layer" in warning for warning in made.warnings)
+
+
 def test_lists_of_thicknesses_and_of_radii():
     assert stack(10.0, 13.0, layer_thickness=(0.5, 1.0)).radii == pytest.approx((10.0, 10.5, 11.5, 12.5))
     given_radii = stack(10.0, 13.0, layer_thickness=1.0, radii=(10.5, 11.0, 12.0))

@@ -61,6 +61,7 @@ def report_of_plan(plan: PlanSections) -> dict[str, Any]:
         },
         "outermost_radius_mm": plan.highest,
         "overshoot_mm": plan.stack.overshoot,
+        "undershoot_mm": plan.stack.undershoot,
         "layer_count": len(plan.layers) + len(plan.failed),
         "failed_layers": len(plan.failed),
         "sections": summary_of_sections(plan),

@@ -14,7 +14,7 @@ from brep_slicer.notices import Notice, NoticeKind
 from brep_slicer.part import Part, as_part
 from brep_slicer.process import Process, choice, layer_range
 from brep_slicer.region import FailedLayer, Layer, slice_solids, slice_with_allowance
-from brep_slicer.section import CutSolid, Engine, cut_solids
+from brep_slicer.section import CutSolid, Engine, cut_solids, noise_of_outermost
 from brep_slicer.substrate.axis import as_axis
 from brep_slicer.substrate.layers import LayerStack, stack_layers
 from brep_slicer.substrate.radius import Substrate, find_substrate
@@ -57,7 +57,8 @@ def cut_layers(
         raise PlanningError(f"{part.source}: nothing stands beyond the substrate, R {chosen.radius:.6g} mm; give a smaller one")
     highest = max(features) + process.allowance
     _check_step_over(part, process, highest)
-    stack = stack_layers(chosen.radius, highest, process)
+    noise = max(noise_of_outermost(s) for s in solids if reach[s.index] == max(features))
+    stack = stack_layers(chosen.radius, highest, process, noise=noise)
     numbers = _chosen_layers(part, len(stack.radii), asked)
     cut = _cut(solids, stack, numbers, chosen, process, cutter, progress)
     whole = tuple(layer for layer in cut if isinstance(layer, Layer))

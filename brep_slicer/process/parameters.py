@@ -125,6 +125,9 @@ class Process:
         Tolerance of sampled curves, mm; 0.01 mm if not given (d / 100 for step-overs below 1 mm).
     order : Order
         Beads in the pattern's order, or in one that shortens travels.
+    last_layer : LastLayer
+        What becomes of a last layer that the height does not fill: auto keeps it if the part fills a twentieth of it at least
+        (and its end is known so well); keep, drop, or stretch all layers to fit.
     cut_at : CutAt
         Cut at the layer's lower radius R_i, or at mid-thickness.
     rules : sequence of Rule or dict
@@ -181,7 +184,7 @@ class Process:
     powder_feed_g_s: float | None = None
     powder_density_g_cm3: float | None = None
     laser_power_w: float | None = None
-    last_layer: Taken[LastLayer, LastLayer | Literal["keep", "drop", "stretch"]] = default(LastLayer.KEEP)
+    last_layer: Taken[LastLayer, LastLayer | Literal["auto", "keep", "drop", "stretch"]] = default(LastLayer.AUTO)
     cut_at: Taken[CutAt, CutAt | Literal["bottom", "middle"]] = default(CutAt.BOTTOM)
     rules: Taken[tuple[Rule, ...], Sequence[Rule | Mapping[str, Any]] | Rule | Mapping[str, Any]] = default(())
 

@@ -17,11 +17,12 @@ from brep_slicer.errors import InputError
 
 
 class LastLayer(enum.Enum):
-    """What becomes of a last layer that the height does not fill."""
+    """What becomes of a last layer that the height does not fill: kept, unless next to nothing of it is part; or as told."""
 
     KEEP = "keep"
     DROP = "drop"
     STRETCH = "stretch"
+    AUTO = "auto"
 
 
 class InnerPattern(enum.Enum):

@@ -8,6 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from brep_slicer.field import Critical, EdgeStretches, critical_radii, edge_stretches
 from brep_slicer.geometry import Brep
 from brep_slicer.geometry.gaps import edge_gaps
@@ -53,3 +55,12 @@ def cut_solid(solid: Solid, axis: Axis) -> CutSolid:
 def cut_solids(part: Part, axis: Axis) -> tuple[CutSolid, ...]:
     """Every solid of a part, made ready."""
     return tuple(cut_solid(solid, axis) for solid in part.solids)
+
+
+def noise_of_outermost(solid: CutSolid) -> float:
+    """How far (mm) a file leaves it open where its solid ends: the tolerance or gap of the edges that may be outermost."""
+    edges = solid.brep.edges
+    reach = np.where(np.isfinite(solid.stretches.edge_level), solid.stretches.edge_level, -np.inf)
+    np.maximum.at(reach, solid.stretches.edge, solid.stretches.rho.max(axis=1))
+    loose = np.maximum([edge.tolerance for edge in edges], solid.gaps)
+    return float(loose[reach + loose >= solid.critical.highest].max(initial=0.0))

@@ -18,18 +18,28 @@ from brep_slicer.wording import counted
 HEIGHT_BAND = 2e-5
 # So is one that misses by this share of t: a last layer thinner than a thousandth of the others is noise of the file.
 HEIGHT_SHARE = 1e-3
+# A last layer that the part fills to less than this share of t is none, unless it is asked for: without it the part is lower by
+# a twentieth of a layer at most, which is less than the heights of beads vary by; with it, higher by nineteen. What is cut
+# so near to the part's end is what roundings and tolerances have left of its outermost face.
+LEAST_SHARE = 0.05
+# Nor is one within the noise of the outermost face, up to this share of t: a file's tolerance takes no more than half a layer.
+MOST_NOISE_SHARE = 0.5
 # A file with more layers than this is a slip of the unit or of t.
 MOST_LAYERS = 100_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LayerStack:
-    """`radii`, `thicknesses` and `cut_radii` of the layers (mm, one each); by how much the last one overshoots the part."""
+    """`radii`, `thicknesses` and `cut_radii` of the layers (mm, one each).
+
+    `overshoot` is by how much the last one is higher than the part, `undershoot` by how much the part stays lower, mm.
+    """
 
     radii: tuple[float, ...]
     thicknesses: tuple[float, ...]
     cut_radii: tuple[float, ...]
     overshoot: float
+    undershoot: float = 0.0
     notes: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
@@ -41,8 +51,8 @@ class LayerStack:
         )
 
 
-def stack_layers(substrate: float, highest: float, process: Process) -> LayerStack:
-    """The layers from the substrate's radius to the part's outermost one.
+def stack_layers(substrate: float, highest: float, process: Process, *, noise: float = 0.0) -> LayerStack:
+    """The layers from the substrate's radius to the part's outermost one, which is known to `noise` (mm).
 
     Raises
     ------
@@ -52,7 +62,8 @@ def stack_layers(substrate: float, highest: float, process: Process) -> LayerSta
         If no layer is left.
     """
     height = highest - substrate
-    stack = _given_radii(substrate, highest, process) if process.radii is not None else _stacked(substrate, height, process)
+    given = process.radii is not None
+    stack = _given_radii(substrate, highest, process) if given else _stacked(substrate, height, process, noise)
     if not stack.radii:
         raise PlanningError("no layer is left to build; make the layers thinner or keep the last one")
     if process.cut_at is CutAt.MIDDLE:
@@ -61,7 +72,7 @@ def stack_layers(substrate: float, highest: float, process: Process) -> LayerSta
     return stack
 
 
-def _stacked(substrate: float, height: float, process: Process) -> LayerStack:
+def _stacked(substrate: float, height: float, process: Process, noise: float) -> LayerStack:
     first = process.thickness(0)
     if first > height + HEIGHT_BAND:
         raise InputError(
@@ -75,27 +86,44 @@ def _stacked(substrate: float, height: float, process: Process) -> LayerStack:
         thicknesses.append(process.thickness(len(thicknesses)))
         # one product where t is constant: no sum of rounding errors
         total = len(thicknesses) * first if not isinstance(process.layer_thickness, tuple) else math.fsum(thicknesses)
-    overshoot = total - height
-    notes: list[str] = []
-    if overshoot > HEIGHT_BAND and process.last_layer is LastLayer.DROP:
-        dropped = thicknesses.pop()
-        overshoot = math.fsum(thicknesses) - height
-        notes.append(f"the last layer is dropped: the part stays {-overshoot:.4g} mm lower (thickness {dropped:g} mm)")
-    elif overshoot > HEIGHT_BAND and process.last_layer is LastLayer.STRETCH:
-        without = total - thicknesses[-1]
-        if without > 0.0 and height - without < total - height:
-            thicknesses.pop()
-        scale = height / math.fsum(thicknesses)
-        thicknesses = [t * scale for t in thicknesses]
-        overshoot = 0.0
-        notes.append(f"layers are stretched by {scale:.6g} so that {len(thicknesses)} of them fill {height:.6g} mm")
-    elif overshoot > HEIGHT_BAND:
-        notes.append(f"the last layer overshoots the part by {overshoot:.4g} mm; --last-layer drop or stretch changes that")
+    notes: tuple[str, ...] = ()
+    if total - height > HEIGHT_BAND:
+        thicknesses, notes = _last_layer(thicknesses, height, total, process.last_layer, noise)
     constant = len(set(thicknesses)) <= 1
     radii = tuple(substrate + (i * thicknesses[0] if constant else math.fsum(thicknesses[:i])) for i in range(len(thicknesses)))
+    over = math.fsum(thicknesses) - height
     return LayerStack(
-        radii=radii, thicknesses=tuple(thicknesses), cut_radii=radii, overshoot=max(overshoot, 0.0), notes=tuple(notes)
+        radii=radii,
+        thicknesses=tuple(thicknesses),
+        cut_radii=radii,
+        overshoot=over if over > HEIGHT_BAND else 0.0,
+        undershoot=-over if over < -HEIGHT_BAND else 0.0,
+        notes=notes,
     )
+
+
+def _last_layer(
+    thicknesses: list[float], height: float, total: float, choice: LastLayer, noise: float
+) -> tuple[list[float], tuple[str, ...]]:
+    """The thicknesses of the layers where they overshoot the height, and what was done about it, in words."""
+    last = thicknesses[-1]
+    filled = height - (total - last)
+    others = thicknesses[:-1]
+    if choice is LastLayer.DROP:
+        return others, (f"the last layer is dropped: the part stays {filled:.4g} mm lower (thickness {last:g} mm)",)
+    if choice is LastLayer.STRETCH:
+        stretched = others if others and filled < total - height else thicknesses
+        scale = height / math.fsum(stretched)
+        note = f"layers are stretched by {scale:.6g} so that {len(stretched)} of them fill {height:.6g} mm"
+        return [t * scale for t in stretched], (note,)
+    uncertain = min(noise, MOST_NOISE_SHARE * last)
+    if choice is LastLayer.AUTO and others and filled < max(LEAST_SHARE * last, uncertain):
+        share = f"less than {LEAST_SHARE:.0%} of the thickness {last:g} mm" if filled < LEAST_SHARE * last else ""
+        known = f"no more than is known of its outermost face ({noise:.2g} mm)" if filled < uncertain else ""
+        reason = " and ".join(text for text in (share, known) if text)
+        return others, (f"the part's last {filled:.3g} mm are no layer: {reason}; --last-layer keep builds it",)
+    note = f"the last layer overshoots the part by {total - height:.4g} mm; --last-layer drop or stretch changes that"
+    return thicknesses, (note,)
 
 
 def _given_radii(substrate: float, highest: float, process: Process) -> LayerStack:

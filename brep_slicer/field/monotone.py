@@ -15,16 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from brep_slicer.geometry import Brep, Edge, ElementarySurface, SurfaceKind
-from brep_slicer.geometry.edge_curves import EdgeCurve, LineEdge
 from brep_slicer.maps import Array
 
 from .radial import COINCIDENCE_BAND, SNAP, radii_of
-
-# Chebyshev nodes a smooth piece: the derivative of rho**2 on a B-spline of degree 9 has degree 17, on a quarter ellipse its
-# coefficients fall below 1e-16 after 20.
-NODES = 24
-# Interior extremes nearer than this to the end of a piece (share of its parameters) are the end itself.
-END_SHARE = 1e-9
+from .turning_points import turning_points
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -45,7 +39,7 @@ class EdgeStretches:
 
 def edge_stretches(brep: Brep) -> EdgeStretches:
     """Cut all edges of a solid, and settle the effective radii."""
-    cuts = [(_turning_points(edge) if edge.curve is not None else np.zeros(0)) for edge in brep.edges]
+    cuts = turning_points(brep.edges)
     ranges = np.array([_edge_range(edge, cut) for edge, cut in zip(brep.edges, cuts, strict=True)]).reshape(-1, 2)
     level_edges = ranges[:, 1] - ranges[:, 0] <= COINCIDENCE_BAND
     level_faces, exact = _level_faces(brep, level_edges)
@@ -74,84 +68,6 @@ def edge_stretches(brep: Brep) -> EdgeStretches:
         face_level=face_level,
         extremes=np.concatenate([np.zeros(0), *extremes]),
     )
-
-
-def _slope(curve: EdgeCurve, t: Array) -> Array:
-    """d(rho**2)/dt / 2 at t."""
-    p, d = curve.derivatives(t, 1)
-    return p[:, 0] * d[:, 0] + p[:, 1] * d[:, 1]
-
-
-def _turning_points(edge: Edge) -> Array:
-    """Parameters strictly inside of the edge where rho has an extreme, increasing."""
-    curve = edge.curve
-    assert curve is not None
-    if isinstance(curve, LineEdge):
-        flat = curve.direction[:2]
-        if flat @ flat == 0.0:
-            return np.zeros(0)
-        roots = np.array([-(curve.origin[:2] @ flat) / (flat @ flat)])
-    else:
-        breaks = curve.breaks(edge.first, edge.last)
-        if _is_level(curve, breaks):
-            return np.zeros(0)
-        roots = _roots_of_slope(curve, breaks[:-1], breaks[1:])
-        if len(breaks) > 2:
-            # extremes at a corner of the curve: the slope changes sign across a break
-            step = 1e-7 * np.diff(breaks).min()
-            change = _slope(curve, breaks[1:-1] - step) * _slope(curve, breaks[1:-1] + step) < 0.0
-            roots = np.concatenate([roots, breaks[1:-1][change]])
-    slack = END_SHARE * (edge.last - edge.first)
-    roots = np.sort(roots[(roots > edge.first + slack) & (roots < edge.last - slack)])
-    keep = np.diff(roots, prepend=-np.inf) > slack
-    return roots[keep]
-
-
-def _is_level(curve: EdgeCurve, breaks: Array) -> bool:
-    """Whether rho varies by less than the band; its extremes would be rounding noise."""
-    t = (breaks[:-1, None] + np.diff(breaks)[:, None] * np.linspace(0.0, 1.0, 9)[None, :]).ravel()
-    return float(np.ptp(radii_of(curve.points(t)))) <= COINCIDENCE_BAND
-
-
-def _roots_of_slope(curve: EdgeCurve, a: Array, b: Array) -> Array:
-    """Sign changes of the slope of rho**2 in the intervals [a, b] (n,), by Chebyshev series; bisected where in doubt."""
-    found = []
-    for _ in range(12):
-        if len(a) == 0:
-            break
-        nodes = np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)
-        t = 0.5 * (a + b)[:, None] + 0.5 * (b - a)[:, None] * nodes[None, :]
-        values = _slope(curve, t.ravel()).reshape(t.shape)
-        coefficients = np.polynomial.chebyshev.chebfit(nodes, values.T, NODES - 1).T
-        rest = np.abs(coefficients[:, 1:]).sum(axis=1)
-        doubtful = rest >= np.abs(coefficients[:, 0])
-        monotone = np.abs(coefficients[:, 1]) > sum(k * k * np.abs(coefficients[:, k]) for k in range(2, NODES))
-        single = doubtful & monotone
-        if single.any():
-            found.append(_single_roots(curve, a[single], b[single]))
-        a, b = a[doubtful & ~monotone], b[doubtful & ~monotone]
-        middle = 0.5 * (a + b)
-        a, b = np.concatenate([a, middle]), np.concatenate([middle, b])
-        if len(a) > 4096:
-            break
-    # what is still in doubt is level to rounding there, or has a double root: no sign change that could be missed for long
-    if 0 < len(a) <= 4096:
-        change = _slope(curve, a) * _slope(curve, b) < 0.0
-        if change.any():
-            found.append(_single_roots(curve, a[change], b[change]))
-    return np.concatenate([np.zeros(0), *found])
-
-
-def _single_roots(curve: EdgeCurve, a: Array, b: Array) -> Array:
-    """Bisection to rounding in every interval whose ends differ in sign."""
-    left, right = _slope(curve, a), _slope(curve, b)
-    some = left * right <= 0.0
-    a, b, left = a[some].copy(), b[some].copy(), left[some]
-    for _ in range(60):
-        middle = 0.5 * (a + b)
-        low = _slope(curve, middle) * left > 0.0
-        a, b = np.where(low, middle, a), np.where(low, b, middle)
-    return 0.5 * (a + b)
 
 
 def _edge_range(edge: Edge, cut: Array) -> tuple[float, float]:

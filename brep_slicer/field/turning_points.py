@@ -1,0 +1,181 @@
+"""Where rho turns round along edges.
+
+In: edges. Out: the parameters of each edge at which rho has an extreme.
+
+Words: *slope*, d(rho**2)/dt / 2; *piece*, a part of an edge's parameters on which its curve is smooth. B-splines of one degree
+are looked at together, all their pieces at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from brep_slicer.geometry import Edge
+from brep_slicer.geometry.edge_curves import BSplinePack, EdgeCurve, LineEdge
+from brep_slicer.maps import Array
+
+from .radial import COINCIDENCE_BAND, radii_of
+
+# Chebyshev nodes a smooth piece: the derivative of rho**2 on a B-spline of degree 9 has degree 17, on a quarter ellipse its
+# coefficients fall below 1e-16 after 20.
+NODES = 24
+# Interior extremes nearer than this to the end of a piece (share of its parameters) are the end itself.
+END_SHARE = 1e-9
+# A corner of a curve is asked this share of its shortest piece to either side.
+CORNER_SHARE = 1e-7
+# Points a piece at which rho is compared to tell whether the edge is level.
+LEVEL_POINTS = 9
+# Halvings of a piece in doubt, the most pieces in doubt that a curve may have, and steps to a root that is bracketed.
+HALVINGS, MOST_PIECES, ROOT_STEPS = 12, 4096, 60
+
+Whose = NDArray[np.int64]
+# [P] or [P, P'] of the curves with the numbers `whose` (n,) at t (n,), to the order asked for
+Evaluate = Callable[[Whose, Array, int], list[Array]]
+
+
+def turning_points(edges: Sequence[Edge]) -> list[Array]:
+    """For each edge the parameters strictly inside of it where rho has an extreme, increasing; none on level edges."""
+    out = [np.zeros(0)] * len(edges)
+    packs: dict[int, list[int]] = {}
+    for number, edge in enumerate(edges):
+        curve = edge.curve
+        if curve is None:
+            continue
+        if isinstance(curve, LineEdge):
+            out[number] = _inside(edge, _foot_of_axis(curve))
+        elif BSplinePack.takes(curve):
+            packs.setdefault(curve.degree, []).append(number)  # type: ignore[attr-defined]
+        else:
+            (found,) = _turning_points(_alone(curve), [curve.breaks(edge.first, edge.last)])
+            out[number] = _inside(edge, found)
+    for numbers in packs.values():
+        pack = BSplinePack([edges[i].curve for i in numbers])  # type: ignore[misc]
+        breaks = [edges[i].curve.breaks(edges[i].first, edges[i].last) for i in numbers]  # type: ignore[union-attr]
+        for i, found in zip(numbers, _turning_points(pack.derivatives, breaks), strict=True):
+            out[i] = _inside(edges[i], found)
+    return out
+
+
+def _alone(curve: EdgeCurve) -> Evaluate:
+    return lambda whose, t, order: curve.derivatives(t, order)
+
+
+def _foot_of_axis(curve: LineEdge) -> Array:
+    flat = curve.direction[:2]
+    square = float(flat @ flat)
+    return np.array([-(curve.origin[:2] @ flat) / square]) if square else np.zeros(0)
+
+
+def _inside(edge: Edge, roots: Array) -> Array:
+    """Those that lie inside of the edge, in order, each once."""
+    slack = END_SHARE * (edge.last - edge.first)
+    roots = np.sort(roots[(roots > edge.first + slack) & (roots < edge.last - slack)])
+    return roots[np.diff(roots, prepend=-np.inf) > slack]
+
+
+def _turning_points(evaluate: Evaluate, breaks: Sequence[Array]) -> list[Array]:
+    """The roots of the slope on several curves, each cut at its own `breaks`, in no order."""
+    counts = [len(b) - 1 for b in breaks]
+    whose = np.repeat(np.arange(len(breaks)), counts)
+    a, b = np.concatenate([x[:-1] for x in breaks]), np.concatenate([x[1:] for x in breaks])
+    level = _are_level(evaluate, whose, a, b, len(breaks))
+    uneven = ~level[whose]
+    owners, roots = _roots_of_slope(evaluate, whose[uneven], a[uneven], b[uneven])
+    corners = np.flatnonzero((whose[1:] == whose[:-1]) & uneven[1:])
+    if len(corners):
+        # an extreme at a corner of the curve: the slope changes sign across a break
+        step = CORNER_SHARE * np.array([np.diff(x).min() for x in breaks])[whose[corners]]
+        sides = [_slope(evaluate, whose[corners], b[corners] + k * step) for k in (-1.0, 1.0)]
+        change = sides[0] * sides[1] < 0.0
+        owners = np.concatenate([owners, whose[corners][change]])
+        roots = np.concatenate([roots, b[corners][change]])
+    order = np.argsort(owners, kind="stable")
+    return np.split(roots[order], np.searchsorted(owners[order], np.arange(1, len(breaks))))
+
+
+def _slope(evaluate: Evaluate, whose: Whose, t: Array) -> Array:
+    p, d = evaluate(whose, t, 1)
+    return p[:, 0] * d[:, 0] + p[:, 1] * d[:, 1]
+
+
+def _are_level(evaluate: Evaluate, whose: Whose, a: Array, b: Array, count: int) -> NDArray[np.bool_]:
+    """Along which curves rho varies by less than the band (count,); its extremes would be rounding noise."""
+    t = a[:, None] + (b - a)[:, None] * np.linspace(0.0, 1.0, LEVEL_POINTS)
+    rho = radii_of(evaluate(np.repeat(whose, LEVEL_POINTS), t.ravel(), 0)[0]).reshape(t.shape)
+    low, high = np.full(count, np.inf), np.full(count, -np.inf)
+    np.minimum.at(low, whose, rho.min(axis=1))
+    np.maximum.at(high, whose, rho.max(axis=1))
+    return high - low <= COINCIDENCE_BAND
+
+
+def _roots_of_slope(evaluate: Evaluate, whose: Whose, a: Array, b: Array) -> tuple[Whose, Array]:
+    """Sign changes of the slope in the pieces [a, b] (n,), by Chebyshev series; bisected where in doubt: whose, and where."""
+    owners, roots = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
+    angles = np.pi * (np.arange(NODES) + 0.5) / NODES
+    nodes = np.cos(angles)
+    # values at the Chebyshev nodes to the coefficients of the series through them
+    to_series = np.cos(np.outer(angles, np.arange(NODES))) * (np.where(np.arange(NODES) > 0, 2.0, 1.0) / NODES)
+    for _ in range(HALVINGS):
+        few = np.bincount(whose, minlength=1)[whose] <= MOST_PIECES
+        whose, a, b = whose[few], a[few], b[few]
+        if not len(a):
+            break
+        t = 0.5 * (a + b)[:, None] + 0.5 * (b - a)[:, None] * nodes[None, :]
+        values = _slope(evaluate, np.repeat(whose, NODES), t.ravel()).reshape(t.shape)
+        coefficients = values @ to_series
+        rest = np.abs(coefficients[:, 1:]).sum(axis=1)
+        doubtful = rest >= np.abs(coefficients[:, 0])
+        monotone = np.abs(coefficients[:, 1]) > sum(k * k * np.abs(coefficients[:, k]) for k in range(2, NODES))
+        single = doubtful & monotone
+        for owner, root in _single_roots(evaluate, whose[single], a[single], b[single]):
+            owners.append(owner)
+            roots.append(root)
+        halved = doubtful & ~monotone
+        middle = 0.5 * (a + b)[halved]
+        a, b = np.concatenate([a[halved], middle]), np.concatenate([middle, b[halved]])
+        whose = np.concatenate([whose[halved], whose[halved]])
+    # what is still in doubt is level to rounding there, or has a double root: no sign change that could be missed for long
+    for owner, root in _single_roots(evaluate, whose, a, b, strictly=True):
+        owners.append(owner)
+        roots.append(root)
+    return np.concatenate(owners), np.concatenate(roots)
+
+
+def _single_roots(evaluate: Evaluate, whose: Whose, a: Array, b: Array, *, strictly: bool = False):
+    """(whose, where) the slope changes sign, in every piece whose ends differ in sign: to rounding.
+
+    The Illinois rule of false position, and a bisection wherever that has not halved the bracket in three steps.
+    """
+    if not len(a):
+        return
+    fa, fb = _slope(evaluate, whose, a), _slope(evaluate, whose, b)
+    some = fa * fb < 0.0 if strictly else fa * fb <= 0.0
+    whose, a, b, fa, fb = (x[some] for x in (whose, a, b, fa, fb))
+    least = 2.0 * np.spacing(np.maximum(np.abs(a), np.abs(b)))
+    width, kept = np.abs(b - a), np.zeros(len(a), dtype=int)
+    root = np.where(np.abs(fa) < np.abs(fb), a, b)
+    closed = (fa == 0.0) | (fb == 0.0)
+    for step in range(ROOT_STEPS):
+        if closed.all():
+            break
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t = b - fb * (b - a) / (fb - fa)
+        if step % 3 == 2:
+            t = np.where(np.abs(b - a) > 0.5 * width, 0.5 * (a + b), t)
+            width = np.abs(b - a)
+        t = np.where((t > np.minimum(a, b)) & (t < np.maximum(a, b)), t, 0.5 * (a + b))
+        ft = _slope(evaluate, whose, t)
+        root, before = np.where(closed, root, t), root
+        closed |= (ft == 0.0) | (np.abs(root - before) <= least)
+        left = (ft > 0.0) == (fa > 0.0)
+        # the end that stays twice over counts half: the next place falls beyond the root
+        fa, fb = (
+            np.where(left, ft, np.where(kept == 1, 0.5 * fa, fa)),
+            np.where(left, np.where(kept == -1, 0.5 * fb, fb), ft),
+        )
+        a, b = np.where(left, t, a), np.where(left, b, t)
+        kept = np.where(left, -1, 1)
+    yield whose, root

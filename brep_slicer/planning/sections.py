@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 from brep_slicer.errors import InputError, LayerError, PlanningError
-from brep_slicer.notices import Notice, NoticeKind
+from brep_slicer.notices import Notice, NoticeKind, grouped
 from brep_slicer.part import Part, as_part
 from brep_slicer.process import Process, choice, layer_range
 from brep_slicer.region import FailedLayer, Layer, slice_solids, slice_with_allowance
@@ -20,6 +20,7 @@ from brep_slicer.substrate.layers import LayerStack, stack_layers
 from brep_slicer.substrate.radius import Substrate, find_substrate
 
 from .planned import PlanSections, Progress
+from .support import CutLayer, notices_of_support
 from .warnings import notices_of_sections
 
 # A last layer that the part fills to less than this share may as well be left out.
@@ -61,13 +62,7 @@ def cut_layers(
     stack = stack_layers(chosen.radius, highest, process, noise=noise)
     numbers = _chosen_layers(part, len(stack.radii), asked)
     cut = _cut(solids, stack, numbers, chosen, process, cutter, progress)
-    whole = tuple(layer for layer in cut if isinstance(layer, Layer))
-    failed = tuple(layer for layer in cut if isinstance(layer, FailedLayer))
-    if not failed and all(layer.region.is_empty for layer in whole):
-        raise PlanningError(
-            f"{part.source}: no layer meets any metal outside of R {chosen.radius:.6g} mm; check axis and substrate"
-        )
-    return PlanSections(
+    made = PlanSections(
         part=part,
         process=process,
         axis=axis,
@@ -76,10 +71,27 @@ def cut_layers(
         stack=stack,
         highest=highest,
         solids=solids,
-        layers=whole,
-        failed=failed,
-        notices=(*_of_the_part(part, chosen, stack), *notices_of_sections(whole, failed, process)),
+        layers=tuple(layer for layer in cut if isinstance(layer, Layer)),
+        failed=tuple(layer for layer in cut if isinstance(layer, FailedLayer)),
+        notices=tuple(_of_the_part(part, chosen, stack)),
     )
+    return _judged(made, cutter, lambda number: _cut(solids, stack, [number], chosen, process, cutter, None)[0])
+
+
+def _judged(sections: PlanSections, engine: Engine, cut: CutLayer) -> PlanSections:
+    """Sections with what there is to say of their layers; an error if there is no metal at all."""
+    layers, failed = sections.layers, sections.failed
+    if not failed and all(layer.region.is_empty for layer in layers):
+        raise PlanningError(
+            f"{sections.part.source}: no layer meets any metal outside of R {sections.substrate.radius:.6g} mm; check axis and"
+            " substrate"
+        )
+    notices = [
+        *sections.notices,
+        *notices_of_sections(layers, failed, sections.process),
+        *notices_of_support(sections, engine=engine, cut=cut),
+    ]
+    return replace(sections, notices=grouped(notices))
 
 
 def _of_the_part(part: Part, substrate: Substrate, stack: LayerStack) -> list[Notice]:

@@ -7,6 +7,7 @@ from .allowance import grown_region, slice_with_allowance
 from .chart import band_between, lifts_between, polygon_from_piece
 from .features import features_of
 from .layer import FailedLayer, Layer
+from .overhang import DrawnRegion, Overhang, drawn_region, overhang_of
 from .overlaps import overlapping_area
 from .overlay import difference_of_regions, union_of_regions
 from .pieces import Piece
@@ -15,6 +16,10 @@ from .slicing import slice_part, slice_solids
 from .stitched import stitched_outlines
 
 __all__ = [
+    "DrawnRegion",
+    "Overhang",
+    "drawn_region",
+    "overhang_of",
     "FailedLayer",
     "Layer",
     "Piece",

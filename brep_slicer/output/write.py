@@ -61,7 +61,7 @@ def write_plan(
         written.append(draw_layers(plan, place / "layers.png"))
         written.append(draw_toolpath(plan, place / "toolpath.png"))
         if proof:
-            from .proof_picture import draw_proof
+            from .pictures.proof import draw_proof
 
             written.append(draw_proof(plan, proven, place / "proof.png"))
     if step:

@@ -15,7 +15,7 @@ from brep_slicer.proof import deposit_of, spacings_in_words
 from brep_slicer.proof.deposit import CELLS_PER_WIDTH
 from brep_slicer.region import Layer, Piece
 
-from .atomic import write_whole
+from ..atomic import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

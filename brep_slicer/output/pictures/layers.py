@@ -18,8 +18,8 @@ from brep_slicer.maps import Array
 from brep_slicer.region import Layer
 from brep_slicer.toolpath import Toolpath
 
-from .atomic import write_whole
-from .report import header_of_plan
+from ..atomic import write_whole
+from ..report import header_of_plan
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,0 +1,10 @@
+"""Pictures of a plan, a module each: layers.png, toolpath.png, proof.png.
+
+In: a Plan. Out: PNG files. Deposition is red and repositioning blue, as in the paper's Fig. 10.
+"""
+
+from .layers import draw_layer, draw_layers
+from .proof import draw_proof
+from .toolpath import draw_toolpath
+
+__all__ = ["draw_layer", "draw_layers", "draw_proof", "draw_toolpath"]

@@ -1,0 +1,150 @@
+"""Triangles and lines seen from one side, drawn into a pixel grid with a depth for every pixel.
+
+In: corners on the page and their depths, as arrays. Out: for every pixel the triangle that is seen there, and its depth.
+
+Words: *depth*, mm towards the eye: the larger one hides the smaller; *span*, the pixels of one row in one triangle; *fragment*,
+one pixel of one triangle; *plane*, a value at the page's origin and by how much it grows a pixel to the right and down. Pixels
+are numbered row by row, the first at the top left.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from brep_slicer.maps import Array
+
+# Fragments that are worked on at once: what bounds the memory.
+AT_ONCE = 1_000_000
+# Depths are held as whole numbers of so many steps, beside the number of the triangle in the lower half of 64 bits.
+DEPTH_STEPS, NUMBER_BITS = 1 << 30, 32
+# Triangles of less than this, in pixels, are lines: they have no plane.
+FLAT = 1e-9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Seen:
+    """What every pixel shows: `triangle` (h w,), -1 where there is none, and `depth` (h w,), -inf there."""
+
+    triangle: NDArray[np.int64]
+    depth: Array
+
+
+def seen(places: Array, depth: Array, triangles: Array, size: tuple[int, int], *, both_sides: bool = False) -> Seen:
+    """The nearest triangle at every pixel, of those that face the eye (their corners go round clockwise with y down).
+
+    Parameters
+    ----------
+    places : ndarray, shape (n, 2)
+        In pixels, x to the right and y down.
+    depth : ndarray, shape (n,)
+        mm towards the eye.
+    triangles : ndarray of int, shape (m, 3)
+        Counter-clockwise from outside with y up, which is clockwise with y down.
+    size : (int, int)
+        Height and width of the page in pixels.
+    both_sides : bool
+        Whether triangles that face away are seen, too.
+    """
+    keys = np.zeros(size[0] * size[1], dtype=np.int64)
+    low, high = (float(depth.min()), float(depth.max())) if len(depth) else (0.0, 0.0)
+    scale = (DEPTH_STEPS - 4) / max(high - low, 1e-300)
+    numbers = np.arange(len(triangles)) if both_sides else np.flatnonzero(_facing(places, triangles))
+    planes = planes_of(places, (depth - low) * scale + 1.0, triangles[numbers])
+    spans = _spans(places, triangles[numbers], size)
+    for of, row, begin, count in spans:
+        pixel = np.repeat(row * size[1] + begin - (np.cumsum(count) - count), count) + np.arange(count.sum())
+        right = planes[of, 1]
+        start = planes[of, 0] + right * (begin + 0.5) + planes[of, 2] * (row + 0.5)
+        z = np.repeat(start, count) + np.repeat(right, count) * (pixel % size[1] - np.repeat(begin, count))
+        steps = np.clip(z, 1.0, DEPTH_STEPS - 1).astype(np.int64)
+        np.maximum.at(keys, pixel, (steps << NUMBER_BITS) | np.repeat(numbers[of], count))
+    hit = keys > 0
+    return Seen(
+        triangle=np.where(hit, keys & ((1 << NUMBER_BITS) - 1), -1),
+        depth=np.where(hit, ((keys >> NUMBER_BITS) - 1.0) / scale + low, -np.inf),
+    )
+
+
+def planes_of(places: Array, values: Array, triangles: Array) -> Array:
+    """The plane (m, 3) of `values` (n,) at the corners of each triangle."""
+    a, b, c = (places[triangles[:, k]] for k in range(3))
+    va, vb, vc = (values[triangles[:, k]] for k in range(3))
+    area = _cross(b - a, c - a)
+    area = np.where(np.abs(area) < FLAT, np.inf, area)
+    right = ((vb - va) * (c - a)[:, 1] - (vc - va) * (b - a)[:, 1]) / area
+    down = ((vc - va) * (b - a)[:, 0] - (vb - va) * (c - a)[:, 0]) / area
+    return np.stack([va - right * a[:, 0] - down * a[:, 1], right, down], axis=1)
+
+
+def values_at(planes: Array, owner: Array, pixel: Array, width: int) -> Array:
+    """The value of plane `owner` (n,) at each `pixel` (n,) of a page that is `width` pixels wide."""
+    row, column = np.divmod(pixel, width)
+    base, right, down = planes.T
+    return base[owner] + right[owner] * (column + 0.5) + down[owner] * (row + 0.5)
+
+
+def _cross(a: Array, b: Array) -> Array:
+    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+
+
+def _facing(places: Array, triangles: Array) -> Array:
+    a, b, c = (places[triangles[:, k]] for k in range(3))
+    return _cross(b - a, c - a) < 0.0
+
+
+def _spans(places: Array, triangles: Array, size: tuple[int, int]) -> list[tuple[Array, Array, Array, Array]]:
+    """(triangle, row, first column, number of columns) of every row in every triangle, in lists that memory can hold."""
+    height, width = size
+    corners = places[triangles]
+    y = corners[..., 1]
+    first = np.clip(np.ceil(y.min(axis=1, initial=np.inf) - 0.5), 0, height).astype(int)
+    rows = np.maximum(np.clip(np.ceil(y.max(axis=1, initial=-np.inf) - 0.5), 0, height).astype(int) - first, 0)
+    # what lies beside the page has no span on it
+    x = corners[..., 0]
+    rows[(x.max(axis=1, initial=-np.inf) < 0.0) | (x.min(axis=1, initial=np.inf) > width)] = 0
+    of = np.repeat(np.arange(len(triangles)), rows)
+    row = np.arange(len(of)) - np.repeat(np.cumsum(rows) - rows, rows) + first[of]
+    begin, end = _ends_of_spans(corners, of, row + 0.5)
+    begin = np.clip(np.ceil(begin - 0.5), 0, width).astype(int)
+    count = np.clip(np.ceil(end - 0.5), 0, width).astype(int) - begin
+    some = count > 0
+    of, row, begin, count = of[some], row[some], begin[some], count[some]
+    total = np.cumsum(count)
+    cuts = np.searchsorted(total, np.arange(AT_ONCE, total[-1] if len(total) else 0, AT_ONCE))
+    return list(zip(*(np.split(column, cuts) for column in (of, row, begin, count)), strict=True))
+
+
+def _ends_of_spans(corners: Array, of: Array, y: Array) -> tuple[Array, Array]:
+    """Where rows enter and leave their triangles, in pixels from the left."""
+    begin, end = np.full(len(y), np.inf), np.full(len(y), -np.inf)
+    for k in range(3):
+        p, q = corners[:, k], corners[:, (k + 1) % 3]
+        rise = q[:, 1] - p[:, 1]
+        lean = (q[:, 0] - p[:, 0]) / np.where(rise == 0.0, np.inf, rise)
+        crosses = (p[of, 1] <= y) != (q[of, 1] <= y)
+        x = p[of, 0] + (y - p[of, 1]) * lean[of]
+        begin = np.minimum(begin, np.where(crosses, x, np.inf))
+        end = np.maximum(end, np.where(crosses, x, -np.inf))
+    met = begin <= end
+    return np.where(met, begin, 0.0), np.where(met, end, 0.0)
+
+
+def dots_on_lines(places: Array, depth: Array, pairs: Array, size: tuple[int, int]) -> tuple[Array, Array]:
+    """(pixels, depths) of lines between `pairs` (k, 2) of points, a dot a pixel; pixels may come several times."""
+    height, width = size
+    a, b = places[pairs[:, 0]], places[pairs[:, 1]]
+    page = np.array([width, height], dtype=float)
+    # lines that lie off the page on one side need no dots
+    on = ((np.maximum(a, b) > 0.0) & (np.minimum(a, b) < page)).all(axis=1)
+    a, b, za, zb = a[on], b[on], depth[pairs[on, 0]], depth[pairs[on, 1]]
+    # no line that matters is longer than a few pages
+    count = np.clip(np.ceil(np.abs(b - a).max(axis=1, initial=0.0)), 1, 8 * (height + width)).astype(int) + 1
+    line = np.repeat(np.arange(len(a)), count)
+    share = (np.arange(len(line)) - np.repeat(np.cumsum(count) - count, count)) / (count[line] - 1)
+    x = np.floor(a[line, 0] + share * (b - a)[line, 0]).astype(int)
+    y = np.floor(a[line, 1] + share * (b - a)[line, 1]).astype(int)
+    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+    return (y * width + x)[inside], (za[line] + share * (zb - za)[line])[inside]

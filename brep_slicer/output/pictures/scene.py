@@ -1,0 +1,208 @@
+"""What toolpath.png shows, as triangles: the solids, and the beads as raised tracks of their width.
+
+In: a Plan. Out: meshes in the file's frame, mm, with a colour for every triangle.
+
+Words: *stretch*, a short part of a bead from one point to the next; *profile*, a bead's cross-section, a parabola as in the
+simulated deposit.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from brep_slicer.maps import Array
+
+if TYPE_CHECKING:
+    from brep_slicer.planning import Plan
+
+# red, green and blue from 0 to 1: metal that stands, metal to be built, beads of the first and of the last layer, travels
+STANDS, PART = np.array([0.72, 0.73, 0.75]), np.array([0.90, 0.87, 0.80])
+FIRST_BEAD, LAST_BEAD, TRAVEL = np.array([0.66, 0.10, 0.14]), np.array([0.93, 0.27, 0.24]), np.array([0.12, 0.37, 0.75])
+# Every second layer is so much lighter, so that layers can be told from one another.
+LIGHTER = 0.12
+# A bead's profile: shares of half its width, and the share of its height there.
+ACROSS = np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
+RISE = 1.0 - ACROSS**2
+# A bead's round end is drawn in so many steps.
+ROUND = 2
+# A bead is no farther to one side at a corner than so many halves of its width.
+LONGEST_MITRE = 1.5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Mesh:
+    """`points` and unit `normals` (n, 3), `triangles` (m, 3) with their `colors` (m, 3); sharp `edges` (k, 2)."""
+
+    points: Array
+    normals: Array
+    triangles: Array
+    colors: Array
+    edges: Array
+
+
+def joined(meshes: list[Mesh]) -> Mesh:
+    """Several meshes as one."""
+    none = np.zeros((0, 3))
+    shifts = np.cumsum([0, *(len(mesh.points) for mesh in meshes)])
+    return Mesh(
+        points=np.concatenate([none, *(mesh.points for mesh in meshes)]),
+        normals=np.concatenate([none, *(mesh.normals for mesh in meshes)]),
+        triangles=np.concatenate([none.astype(int), *(m.triangles + s for m, s in zip(meshes, shifts, strict=False))]),
+        colors=np.concatenate([none, *(mesh.colors for mesh in meshes)]),
+        edges=np.concatenate([np.zeros((0, 2), dtype=int), *(m.edges + s for m, s in zip(meshes, shifts, strict=False))]),
+    )
+
+
+def part_mesh(plan: Plan, deflection: float) -> Mesh:
+    """Every solid of the file: grey what stands, lighter what is to be built, triangulated to `deflection` mm."""
+    from brep_slicer.kernel.display import display_mesh
+
+    level = plan.substrate.radius + deflection
+    out = []
+    for solid in (*plan.part.solids, *plan.part.others):
+        mesh = display_mesh(solid.wrapped, deflection=deflection)
+        stands = solid.index in plan.substrate.solids or solid in plan.part.others
+        rho = np.hypot(*plan.axis.axis_from_file(mesh.points)[:, :2].T)
+        built = (rho[mesh.triangles] > level).any(axis=1) & (not stands)
+        colors = np.where(built[:, None], PART, STANDS)
+        out.append(
+            Mesh(points=mesh.points, normals=mesh.normals, triangles=mesh.triangles, colors=colors, edges=mesh.edges)
+        )
+    return joined(out)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Stretches:
+    """Beads in short stretches, in order: ends `a` and `b`, their normals (n, 3), layer (n,), and what each is joined to.
+
+    `before` and `after` (n,) tell whether the bead goes on there, in the stretch before or after.
+    """
+
+    a: Array
+    b: Array
+    normal_a: Array
+    normal_b: Array
+    layer: Array
+    before: Array
+    after: Array
+
+    def rows(self, chosen: Array) -> Stretches:
+        """Some of them; each stays joined to what it was joined to."""
+        return Stretches(**{name: getattr(self, name)[chosen] for name in self.__slots__})
+
+
+def stretches_of(plan: Plan, longest: float) -> Stretches:
+    """The deposited part of a toolpath, no stretch longer than `longest` mm."""
+    path = plan.toolpath
+    laid = path.deposits.copy()
+    laid[:1] = False
+    end = np.flatnonzero(laid)
+    start = end - 1
+    size = np.linalg.norm(path.points[end] - path.points[start], axis=1)
+    end, start, size = end[size > 0.0], start[size > 0.0], size[size > 0.0]
+    cuts = np.maximum(1, np.ceil(size / longest)).astype(int)
+    of = np.repeat(np.arange(len(end)), cuts)
+    step = np.arange(len(of)) - np.repeat(np.cumsum(cuts) - cuts, cuts)
+    low, high = (step / cuts[of])[:, None], ((step + 1) / cuts[of])[:, None]
+    p, q = path.points[start][of], path.points[end][of]
+    n, m = path.normals[start][of], path.normals[end][of]
+    same = np.zeros(len(of) + 1, dtype=bool)
+    same[1:-1] = path.bead[end[of[1:]]] == path.bead[end[of[:-1]]]
+    return Stretches(
+        a=p + low * (q - p),
+        b=p + high * (q - p),
+        normal_a=_unit(n + low * (m - n)),
+        normal_b=_unit(n + high * (m - n)),
+        layer=path.layer[end][of],
+        before=same[:-1],
+        after=same[1:],
+    )
+
+
+def bead_mesh(plan: Plan, stretches: Stretches, chosen: Array) -> Mesh:
+    """The `chosen` stretches (indices) as raised tracks, mitred where a bead goes on, round where it ends."""
+    half = 0.5 * plan.process.width
+    way = _unit(stretches.b - stretches.a)
+    side = _unit(np.cross(_unit(stretches.normal_a + stretches.normal_b), way))
+    # a bead joins the one before at the place where both have the same side
+    earlier, later = np.maximum(chosen - 1, 0), np.minimum(chosen + 1, len(way) - 1)
+    left_a = np.where(stretches.before[chosen, None], _mitre(side[earlier], side[chosen]), side[chosen])
+    left_b = np.where(stretches.after[chosen, None], _mitre(side[later], side[chosen]), side[chosen])
+    of, way, side = stretches.rows(chosen), way[chosen], side[chosen]
+    rise = 1.5 * _thickness(plan)[of.layer] * plan.process.step_over / plan.process.width
+    colors = _colors(plan)[of.layer]
+    first, last = np.flatnonzero(~of.before), np.flatnonzero(~of.after)
+    still = np.zeros_like(way)
+    parts = [
+        _tube([_ring(of.a, left_a, still, of.normal_a, rise, half), _ring(of.b, left_b, still, of.normal_b, rise, half)], colors),
+        _end(of.a[first], -way[first], -side[first], of.normal_a[first], rise[first], half, colors[first]),
+        _end(of.b[last], way[last], side[last], of.normal_b[last], rise[last], half, colors[last]),
+    ]
+    return joined(parts)
+
+
+def _ring(p: Array, left: Array, ahead: Array, normal: Array, rise: Array, half: float) -> tuple[Array, Array]:
+    """The profile's points and normals, (n, 5, 3), `half` wide along `left`, moved `ahead` (both in halves of the width)."""
+    x = ACROSS[:, None] * left[:, None] + ahead[:, None]
+    # a parabola along the bead, a paraboloid over its end
+    up = (rise * (1.0 - np.einsum("ij,ij->i", ahead, ahead)))[:, None, None] * RISE[:, None]
+    tilt = 2.0 * rise[:, None, None] / half * x
+    return p[:, None] + half * x + up * normal[:, None], _unit(normal[:, None] + tilt)
+
+
+def _end(p: Array, way: Array, side: Array, normal: Array, rise: Array, half: float, colors: Array) -> Mesh:
+    """Half a paraboloid beyond a bead's last point."""
+    rings = [
+        _ring(p, math.cos(a) * side, math.sin(a) * way, normal, rise, half) for a in np.linspace(0.0, 0.5 * math.pi, ROUND + 1)
+    ]
+    return _tube(rings, colors)
+
+
+def _tube(rings: list[tuple[Array, Array]], colors: Array) -> Mesh:
+    """A skin over rings that follow one another; `colors` (n, 3), one a tube."""
+    points = np.concatenate([ring[0] for ring in rings], axis=1)
+    normals = np.concatenate([ring[1] for ring in rings], axis=1)
+    five = len(ACROSS)
+    k = (np.arange(five - 1) + five * np.arange(len(rings) - 1)[:, None]).ravel()
+    corners = np.concatenate([np.stack([k, k + five, k + 1], axis=1), np.stack([k + 1, k + five, k + five + 1], axis=1)])
+    base = (np.arange(len(points)) * points.shape[1])[:, None, None]
+    return Mesh(
+        points=points.reshape(-1, 3),
+        normals=normals.reshape(-1, 3),
+        triangles=(corners[None] + base).reshape(-1, 3),
+        colors=np.repeat(colors, len(corners), axis=0),
+        edges=np.zeros((0, 2), dtype=int),
+    )
+
+
+def _unit(vectors: Array) -> Array:
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300)
+
+
+def _mitre(other: Array, side: Array) -> Array:
+    """Half the bead's width to the side, where two stretches with these sides meet."""
+    mean = _unit(other + side)
+    slant = np.einsum("ij,ij->i", mean, side)[:, None]
+    # where a bead turns back, its two sides are opposite
+    return np.where(slant > 1.0 / LONGEST_MITRE, mean / np.maximum(slant, 1e-9), side)
+
+
+def _thickness(plan: Plan) -> Array:
+    """Thickness (mm) by layer number."""
+    out = np.ones(1 + max(layer.index for layer in plan.layers))
+    for layer in plan.layers:
+        out[layer.index] = layer.thickness or 1.0
+    return out
+
+
+def _colors(plan: Plan) -> Array:
+    """A colour by layer number: darker inside, every second one lighter."""
+    numbers = np.arange(1 + max(layer.index for layer in plan.layers))
+    first = min(layer.index for layer in plan.layers)
+    share = np.clip((numbers - first) / max(1, numbers[-1] - first), 0.0, 1.0)[:, None]
+    color = (1.0 - share) * FIRST_BEAD + share * LAST_BEAD
+    return color + LIGHTER * (numbers % 2)[:, None] * (1.0 - color)

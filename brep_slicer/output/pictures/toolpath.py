@@ -1,0 +1,201 @@
+"""toolpath.png: the part, shaded, with the beads that can be seen on it, and the ways between them.
+
+In: a Plan. Out: a picture of one or two views. Nothing of it is measured on: the solids are triangulated coarsely.
+
+Words: *stretch*, a short part of a bead; *buried*, under metal of later layers, so that it cannot be seen.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from brep_slicer.maps import Array
+
+from .page import DPI, name_of, new_page, saved
+from .raster import Seen, dots_on_lines, planes_of, seen, values_at
+from .scene import TRAVEL, Mesh, bead_mesh, part_mesh, stretches_of
+from .views import View, slant_of, views_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from brep_slicer.planning import Plan
+
+# Pixels that a page's views have in all, their height over width at most and at least, and what is kept free around them.
+PIXELS, TALLEST, WIDEST, MARGIN, TITLE = 480_000, 1.25, 0.4, 14, 46
+KEY = "beads red, dark to light from first to last layer · repositioning on the last layer blue · part beige, standing metal grey"
+# The solids are triangulated to this share of what is shown.
+DEFLECTION = 1.2e-3
+# Light from the upper left in front, over what comes from everywhere; both in shares of full brightness.
+LIGHT, AMBIENT, GLOSS = np.array([-0.42, 0.34, 0.842]), 0.48, 0.16
+EDGE, EDGE_STRENGTH, TRAVEL_STRENGTH = np.array([0.22, 0.22, 0.24]), 0.75, 0.8
+# Lines lie on surfaces: they count as in front of what hides them by less than this share of the page's width.
+LINE_SLACK = 4e-3
+# Neighbouring pixels whose brightness differs by more than this have an edge between them, which is made smooth.
+STEP = 0.10
+
+
+def draw_toolpath(plan: Plan, path: str | Path) -> Path:
+    """The toolpath on the part, from where every place that gets metal is in sight."""
+    laid = plan.toolpath.points[plan.toolpath.deposits]
+    extent = float(np.linalg.norm(np.ptp(laid, axis=0))) if len(laid) else 1.0
+    mesh = part_mesh(plan, max(DEFLECTION * extent, 1e-6))
+    views = views_of(plan, mesh)
+    sizes, places, page = _layout(views)
+    figure = new_page(page[0] / DPI, page[1] / DPI)
+    image = np.full((page[1], page[0], 3), 255, dtype=np.uint8)
+    for view, (height, width), (left, top) in zip(views, sizes, places, strict=True):
+        image[top : top + height, left : left + width] = rendered(plan, mesh, view, (height, width))
+        _scale_bar(figure, view, (height, width), (left, page[1] - top - height), page)
+        _directions(figure, view, (left + width, page[1] - top - height), page)
+    count = len({layer.index for layer in plan.layers})
+    title = f"{name_of(plan)}: {count} layers on R {plan.substrate.radius:.6g} mm"
+    figure.text(MARGIN / page[0], 1.0 - 8 / page[1], title, fontsize=12, va="top", weight="bold")
+    figure.text(MARGIN / page[0], 1.0 - 28 / page[1], KEY, fontsize=8, va="top", color="0.3")
+    return saved(figure, plan, path, under=image)
+
+
+def _layout(views: list[View]) -> tuple[list[tuple[int, int]], list[tuple[int, int]], tuple[int, int]]:
+    """(height, width) of each view and its (left, top) on the page, in pixels, and the page's (width, height)."""
+    ratios = [min(max((v.box[3] - v.box[1]) / (v.box[2] - v.box[0]), WIDEST), TALLEST) for v in views]
+    sizes = []
+    for ratio in ratios:
+        width = math.sqrt(PIXELS / len(views) ** 0.5 / ratio)
+        sizes.append((round(width * ratio), round(width)))
+    side_by_side = len(views) == 1 or ratios[0] > 0.62
+    places, at = [], [MARGIN, TITLE]
+    for height, width in sizes:
+        places.append((at[0], at[1]))
+        at[0 if side_by_side else 1] += (width if side_by_side else height) + MARGIN
+    wide = max(left + width for (left, _), (_, width) in zip(places, sizes, strict=True)) + MARGIN
+    high = max(top + height for (_, top), (height, _) in zip(places, sizes, strict=True)) + MARGIN
+    return sizes, places, (max(wide, 640), high)
+
+
+def rendered(plan: Plan, mesh: Mesh, view: View, size: tuple[int, int]) -> Array:
+    """One view as an image (height, width, 3) of bytes."""
+    scale, view = _fitted(view, size)
+    page = seen(*_placed(view, mesh, scale), mesh.triangles, size)
+    slant = slant_of(mesh, view)[page.triangle]
+    beads = _beads(plan, view, scale, page.depth, slant, size)
+    # a bead has no underside of its own
+    tracks = seen(*_placed(view, beads, scale), beads.triangles, size, both_sides=True)
+    # beads lie below the part's own surface by what their outline stays inside of it, and the facets outside
+    slack = 0.5 * (plan.process.width + plan.process.step_over) + max((la.thickness or 0.0) for la in plan.layers)
+    on_top = (tracks.triangle >= 0) & (tracks.depth > page.depth - slack * slant)
+    colors = np.ones((size[0] * size[1], 3))
+    _shade(colors, view, mesh, page, (page.triangle >= 0) & ~on_top, scale, size)
+    _shade(colors, view, beads, tracks, on_top, scale, size)
+    reach = LINE_SLACK * size[1] / scale
+    edges = _lines(view, mesh.points, mesh.edges, page.depth - reach, scale, size)
+    edges = edges[~on_top[edges]]
+    colors[edges] += EDGE_STRENGTH * (EDGE - colors[edges])
+    colors = _smoothed(colors.reshape(*size, 3)).reshape(-1, 3)
+    path = plan.toolpath
+    depth = np.where(on_top, tracks.depth, page.depth)
+    moves = np.flatnonzero(~path.deposits[1:] & (path.layer[1:] == path.layer.max()) & (path.layer[:-1] == path.layer.max()))
+    ways = _lines(view, path.points, np.stack([moves, moves + 1], axis=1), depth - 0.25 * reach, scale, size)
+    colors[ways] += TRAVEL_STRENGTH * (TRAVEL - colors[ways])
+    return np.clip(255.0 * colors + 0.5, 0, 255).astype(np.uint8).reshape(*size, 3)
+
+
+def _fitted(view: View, size: tuple[int, int]) -> tuple[float, View]:
+    """Pixels a mm, and the view with its box in the middle of the page."""
+    left, low, right, top = view.box
+    scale = min(size[1] / (right - left), size[0] / (top - low))
+    wide, high = 0.5 * size[1] / scale, 0.5 * size[0] / scale
+    x, y = 0.5 * (left + right), 0.5 * (low + top)
+    return scale, replace(view, box=(x - wide, y - high, x + wide, y + high))
+
+
+def _placed(view: View, mesh: Mesh, scale: float) -> tuple[Array, Array]:
+    return view.places(mesh.points, scale), mesh.points @ view.towards
+
+
+def _beads(plan: Plan, view: View, scale: float, depth: Array, slant: Array, size: tuple[int, int]) -> Mesh:
+    """The beads that are not buried: those with some of their length near the metal that is seen there."""
+    width, (high, wide) = plan.process.width, size
+    tracks = stretches_of(plan, max(1.5 * width, 12.0 / scale))
+    middle = 0.5 * (tracks.a + tracks.b)
+    place = view.places(middle, scale)
+    room = 2.0 * width * scale
+    on_page = ((place > -room) & (place < np.array([wide, high]) + room)).all(axis=1)
+    pixel = np.clip(place[:, 1], 0, high - 1).astype(int) * wide + np.clip(place[:, 0], 0, wide - 1).astype(int)
+    near = middle @ view.towards > depth[pixel] - 3.0 * width * slant[pixel]
+    return bead_mesh(plan, tracks, np.flatnonzero(on_page & near))
+
+
+def _shade(colors: Array, view: View, mesh: Mesh, page: Seen, where: Array, scale: float, size: tuple[int, int]) -> None:
+    """Colour the pixels `where` a mesh is seen, by how its surface lies to the light."""
+    pixel = np.flatnonzero(where)
+    owner = page.triangle[pixel]
+    used, owner = np.unique(owner, return_inverse=True)
+    corners = mesh.triangles[used]
+    light = np.stack([view.right, view.up, view.towards], axis=1) @ LIGHT
+    places, halfway = view.places(mesh.points, scale), light + view.towards
+    lit, gloss = (
+        np.clip(values_at(planes_of(places, mesh.normals @ way, corners), owner, pixel, size[1]), 0.0, 1.0)
+        for way in (light, halfway / np.linalg.norm(halfway))
+    )
+    bright = AMBIENT + (1.0 - AMBIENT) * lit
+    colors[pixel] = mesh.colors[used[owner]] * bright[:, None] + (GLOSS * gloss**24)[:, None]
+
+
+def _smoothed(image: Array) -> Array:
+    """The image with its edges softened: the mean of a pixel and its four neighbours where they differ."""
+    gray = image[..., 1]
+    edge = np.zeros(gray.shape, dtype=bool)
+    for axis in (0, 1):
+        step = np.abs(np.diff(gray, axis=axis)) > STEP
+        low, high = (slice(None, -1), slice(1, None))
+        edge[(low, slice(None)) if axis == 0 else (slice(None), low)] |= step
+        edge[(high, slice(None)) if axis == 0 else (slice(None), high)] |= step
+    edge[[0, -1], :] = False
+    edge[:, [0, -1]] = False
+    y, x = np.nonzero(edge)
+    around = image[y - 1, x] + image[y + 1, x] + image[y, x - 1] + image[y, x + 1]
+    out = image.copy()
+    out[y, x] = 0.4 * image[y, x] + 0.15 * around
+    return out
+
+
+def _lines(view: View, points: Array, pairs: Array, depth: Array, scale: float, size: tuple[int, int]) -> Array:
+    """Pixels of the lines between `pairs` of points that nothing at `depth` hides, each once."""
+    if not len(pairs):
+        return np.zeros(0, dtype=int)
+    pixel, z = dots_on_lines(view.places(points, scale), points @ view.towards, pairs, size)
+    flags = np.zeros(size[0] * size[1], dtype=bool)
+    flags[pixel[z > depth[pixel]]] = True
+    return np.flatnonzero(flags)
+
+
+def _scale_bar(figure: Figure, view: View, size: tuple[int, int], corner: tuple[int, int], page: tuple[int, int]) -> None:
+    from matplotlib.lines import Line2D
+
+    scale, _ = _fitted(view, size)
+    about = 0.18 * size[1] / scale
+    decade = 10.0 ** math.floor(math.log10(about))
+    length = max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= about)
+    x, y = (corner[0] + 6) / page[0], (corner[1] + 8) / page[1]
+    figure.add_artist(Line2D([x, x + length * scale / page[0]], [y, y], color="0.1", lw=2.0, solid_capstyle="butt"))
+    figure.text(x, y + 5 / page[1], f"{length:g} mm", fontsize=8, color="0.1")
+
+
+def _directions(figure: Figure, view: View, corner: tuple[int, int], page: tuple[int, int]) -> None:
+    """The file's x, y and z in the view's lower right corner."""
+    from matplotlib.lines import Line2D
+
+    x, y = corner[0] - 36, corner[1] + 36
+    for name, along in zip("xyz", np.eye(3), strict=True):
+        dx, dy = 24.0 * (along @ view.right), 24.0 * (along @ view.up)
+        if math.hypot(dx, dy) < 4.0:
+            continue
+        figure.add_artist(Line2D([x / page[0], (x + dx) / page[0]], [y / page[1], (y + dy) / page[1]], color="0.25", lw=1.0))
+        figure.text(
+            (x + 1.35 * dx) / page[0], (y + 1.35 * dy) / page[1], name, fontsize=8, color="0.25", ha="center", va="center"
+        )

@@ -75,10 +75,10 @@ def _with_normals(points: Array, triangles: Array) -> DisplayMesh:
     """Normals at the points, from the triangles round them by area, and the edges where faces meet at an angle."""
     a, b, c = (points[triangles[:, k]] for k in range(3))
     across = np.cross(b - a, c - a)
-    normals = np.stack(
+    normals: Array = np.stack(
         [np.bincount(triangles.ravel(), np.repeat(across[:, k], 3), minlength=len(points)) for k in range(3)], axis=1
     )
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     return DisplayMesh(points=points, normals=normals, triangles=triangles, edges=_sharp(points, triangles, across))
 
 

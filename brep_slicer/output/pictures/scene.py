@@ -69,9 +69,7 @@ def part_mesh(plan: Plan, deflection: float) -> Mesh:
         rho = np.hypot(*plan.axis.axis_from_file(mesh.points)[:, :2].T)
         built = (rho[mesh.triangles] > level).any(axis=1) & (not stands)
         colors = np.where(built[:, None], PART, STANDS)
-        out.append(
-            Mesh(points=mesh.points, normals=mesh.normals, triangles=mesh.triangles, colors=colors, edges=mesh.edges)
-        )
+        out.append(Mesh(points=mesh.points, normals=mesh.normals, triangles=mesh.triangles, colors=colors, edges=mesh.edges))
     return joined(out)
 
 
@@ -138,7 +136,9 @@ def bead_mesh(plan: Plan, stretches: Stretches, chosen: Array) -> Mesh:
     first, last = np.flatnonzero(~of.before), np.flatnonzero(~of.after)
     still = np.zeros_like(way)
     parts = [
-        _tube([_ring(of.a, left_a, still, of.normal_a, rise, half), _ring(of.b, left_b, still, of.normal_b, rise, half)], colors),
+        _tube(
+            [_ring(of.a, left_a, still, of.normal_a, rise, half), _ring(of.b, left_b, still, of.normal_b, rise, half)], colors
+        ),
         _end(of.a[first], -way[first], -side[first], of.normal_a[first], rise[first], half, colors[first]),
         _end(of.b[last], way[last], side[last], of.normal_b[last], rise[last], half, colors[last]),
     ]

@@ -28,7 +28,9 @@ if TYPE_CHECKING:
 
 # Pixels that a page's views have in all, their height over width at most and at least, and what is kept free around them.
 PIXELS, TALLEST, WIDEST, MARGIN, TITLE = 480_000, 1.25, 0.4, 14, 46
-KEY = "beads red, dark to light from first to last layer · repositioning on the last layer blue · part beige, standing metal grey"
+KEY = (
+    "beads red, dark to light from first to last layer · repositioning on the last layer blue · part beige, standing metal grey"
+)
 # The solids are triangulated to this share of what is shown.
 DEFLECTION = 1.2e-3
 # Light from the upper left in front, over what comes from everywhere; both in shares of full brightness.
@@ -98,7 +100,8 @@ def rendered(plan: Plan, mesh: Mesh, view: View, size: tuple[int, int]) -> Array
     colors = _smoothed(colors.reshape(*size, 3)).reshape(-1, 3)
     path = plan.toolpath
     depth = np.where(on_top, tracks.depth, page.depth)
-    moves = np.flatnonzero(~path.deposits[1:] & (path.layer[1:] == path.layer.max()) & (path.layer[:-1] == path.layer.max()))
+    last = path.layer == path.layer.max(initial=0)
+    moves = np.flatnonzero(~path.deposits[1:] & last[1:] & last[:-1])
     ways = _lines(view, path.points, np.stack([moves, moves + 1], axis=1), depth - 0.25 * reach, scale, size)
     colors[ways] += TRAVEL_STRENGTH * (TRAVEL - colors[ways])
     return np.clip(255.0 * colors + 0.5, 0, 255).astype(np.uint8).reshape(*size, 3)
@@ -192,7 +195,7 @@ def _directions(figure: Figure, view: View, corner: tuple[int, int], page: tuple
 
     x, y = corner[0] - 36, corner[1] + 36
     for name, along in zip("xyz", np.eye(3), strict=True):
-        dx, dy = 24.0 * (along @ view.right), 24.0 * (along @ view.up)
+        dx, dy = 24.0 * float(along @ view.right), 24.0 * float(along @ view.up)
         if math.hypot(dx, dy) < 4.0:
             continue
         figure.add_artist(Line2D([x / page[0], (x + dx) / page[0]], [y / page[1], (y + dy) / page[1]], color="0.25", lw=1.0))

@@ -63,6 +63,8 @@ class View:
 
 def views_of(plan: Plan, mesh: Mesh) -> list[View]:
     """One view that has every place in sight, else two that have between them, the plainest first."""
+    if not plan.toolpath.deposits.any():
+        return [_view(plan, mesh, mesh.points, plan.axis.file_from_axis_vectors(np.array([1.0, 0.0, 0.5]) / math.sqrt(1.25)))]
     samples, place = _places(plan)
     laid = plan.toolpath.points[plan.toolpath.deposits]
 
@@ -88,7 +90,7 @@ def _places(plan: Plan) -> tuple[Array, Array]:
     """Points of the deposit (n, 3), and the number of the place that each lies in."""
     path = plan.toolpath
     laid = np.flatnonzero(path.deposits)
-    laid = laid[:: max(1, len(laid) // LOOKED_FOR)]
+    laid = laid[:: 1 + len(laid) // LOOKED_FOR]
     theta, v = np.mod(path.kappa[laid] / path.radius[laid], TURN), path.v[laid]
     row = np.clip((v - v.min()) / max(np.ptp(v), 1e-9) * HEIGHTS, 0, HEIGHTS - 1).astype(int)
     cell = np.minimum((theta / TURN * ANGLES).astype(int), ANGLES - 1) * HEIGHTS + row

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import brep_slicer as bs
-from brep_slicer.fill import Contours, FlankFollowing, Hatch, fill_region
+from brep_slicer.fill import Bead, BeadKind, Contours, FlankFollowing, Hatch, LayerFill, fill_region
 from brep_slicer.notices import Notice, NoticeKind
 from brep_slicer.planning.warnings import notices_of_fills, notices_of_sections
 from brep_slicer.proof import coverage_of
@@ -62,9 +62,95 @@ def test_beads_that_hold_too_much_or_too_little_metal(plan):
     (said,) = warnings_of(plan.layers, twice, plan.process)
     assert said.startswith("layers 1 to 2: the beads hold 1.")
     few = [replace(fill, beads=fill.beads[:2]) if i == 3 else fill for i, fill in enumerate(plan.fills)]
-    piece, layer = warnings_of(plan.layers, few, plan.process)
+    piece, above, layer = warnings_of(plan.layers, few, plan.process)
+    assert above.startswith("layer 4, piece 0: built on beads that hold 0.")
     assert piece.startswith("layer 3, piece 0: its beads hold less than a tenth of the metal")
     assert layer.startswith("layer 3: the beads hold 0.")
+
+
+class TestBuiltOnTooLittle:
+    """No layer is built on one that holds less than half of what is above it without a warning."""
+
+    # strips 20 mm long, side by side; a mm of bead holds 3.4 mm2 of metal at the height t
+    @staticmethod
+    def layer(template, number, widths):
+        loops = [rectangle(40.0 * i, 0.0, 40.0 * i + 20.0, width) for i, width in enumerate(widths)]
+        region = region_from_loops(R, loops)
+        return replace(template, index=number, radius=R, cut_radius=R, region=region, area=region.area)
+
+    @staticmethod
+    def fill(*lengths):
+        """A straight bead for each piece, of so many mm; none for 0."""
+        return LayerFill(
+            beads=tuple(
+                Bead(points=[(40.0 * i, 1.0), (40.0 * i + length, 1.0)], kind=BeadKind.HATCH, piece=i)
+                for i, length in enumerate(lengths)
+                if length
+            )
+        )
+
+    @pytest.mark.parametrize(
+        ("below", "above", "said"),
+        [
+            # mm of bead in the pieces of either layer; shares of what is above
+            ((60.0, 30.0), (60.0, 30.0), None),
+            ((31.0, 30.0), (60.0, 30.0), None),
+            ((29.0, 30.0), (60.0, 30.0), "layer 8, piece 0: built on beads that hold 0.4833 times"),
+            # 1.8 % of its metal, as on a thin gear whose next layers get skeletons
+            ((1.3, 0.6), (60.0, 30.0), "layer 8, pieces 0 to 1: built on beads that hold 0.02 to 0.02167 times"),
+            # the other piece does not make up for it
+            ((60.0, 0.0), (60.0, 30.0), "layer 8, piece 1: built on beads that hold 0 times"),
+            # nothing is laid above
+            ((60.0, 0.0), (60.0, 0.0), None),
+        ],
+    )
+    def test_share_of_what_is_above(self, plan, below, above, said):
+        layers = [self.layer(plan.layers[0], 7 + i, (12.0, 6.0)) for i in range(2)]
+        lines = warnings_of(layers, [self.fill(*below), self.fill(*above)], plan.process)
+        weak = [line for line in lines if "built on beads" in line]
+        assert len(weak) == (said is not None)
+        assert said is None or weak[0].startswith(said)
+
+    def test_a_small_piece_below_that_is_full_is_another_matter(self, plan):
+        # 6 mm2 below 240 mm2: that hangs in the air, and is told of by itself
+        layers = [self.layer(plan.layers[0], 7, (0.3,)), self.layer(plan.layers[0], 8, (12.0,))]
+        lines = warnings_of(layers, [self.fill(1.8), self.fill(60.0)], plan.process)
+        assert not [line for line in lines if "built on beads" in line]
+
+    def test_layers_that_do_not_follow_one_another_are_not_compared(self, plan):
+        layers = [self.layer(plan.layers[0], number, (12.0, 6.0)) for number in (7, 9)]
+        lines = warnings_of(layers, [self.fill(0.0, 30.0), self.fill(60.0, 30.0)], plan.process)
+        assert not [line for line in lines if "built on beads" in line]
+
+
+def test_empty_layers_are_one_line_and_no_kind_hides_another(plan, capsys):
+    from brep_slicer.cli import MOST_OF_A_KIND, _warn
+
+    empty = [replace(layer, region=replace(layer.region, pieces=()), area=0.0) for layer in plan.layers]
+    (said,) = notices_of_sections([empty[0], plan.layers[1], *empty[2:]], (), plan.process)
+    assert (said.kind, said.layers) == (NoticeKind.EMPTY, (0, 2, 3, 4))
+    assert str(said) == "layers 0, 2 to 4: no metal (R 150 to 155.6 mm)"
+    # forty notes of one kind are cut short, and the others are all there
+    notes = [note(f"only {n} of 40 contours fit", 0) for n in range(40)]
+    _warn([*notes, said, Notice(kind=NoticeKind.ON_AIR, text="a rim hangs"), Notice(kind=NoticeKind.STACK, text="too high")])
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == MOST_OF_A_KIND + 4
+    assert lines[MOST_OF_A_KIND] == f"warning: {40 - MOST_OF_A_KIND} more of this kind (pattern) in report.json"
+    assert lines[-3:] == [f"warning: {said}", "warning: a rim hangs", "warning: too high"]
+
+
+def test_figures_are_values_and_worded_once(plan):
+    from brep_slicer.notices import grouped
+
+    def of(layer, area):
+        return Notice(kind=NoticeKind.ON_AIR, text="{area} mm2 hang", layers=(layer,), figures={"area": (area, area)})
+
+    (said,) = grouped([of(3, 20.0), of(4, 1234.5), of(9, 7.0)])
+    assert said.figures["area"] == (7.0, 1234.5)
+    assert str(said) == "layers 3 to 4, 9: 7 to 1234 mm2 hang"
+    assert said.as_dict()["figures"] == {"area": [7.0, 1234.5]}
+    # a figure's name in a sentence that has none of it is text
+    assert str(Notice(kind=NoticeKind.PART, text="solid '{area}'")) == "solid '{area}'"
 
 
 @pytest.mark.parametrize(("pattern", "bare"), [(FlankFollowing(), True), (Hatch(angle=0.0), False), (Contours(), False)])

@@ -13,13 +13,16 @@ import numpy as np
 from brep_slicer.fill import LayerFill
 from brep_slicer.notices import Notice, NoticeKind, grouped
 from brep_slicer.process import Process
-from brep_slicer.region import FailedLayer, Layer, overlapping_area
+from brep_slicer.region import FailedLayer, Layer, overlapping_area, overlapping_pieces
 
 # Beads that hold more metal than this share of a layer's, or less, are warned of. Half a bead of room on all sides leaves a
 # third of a small piece; a bead wider than its piece is told of by itself.
 MOST_METAL, LEAST_METAL = 1.5, 1.0 / 3.0
 # Pieces that get less than this share of their metal are named, and pieces of which more than this share is bare for certain.
 NEXT_TO_NONE, SURELY_BARE = 0.1, 0.2
+# A piece is built on too little where what is below it holds less than this share of its metal, and of its own: on half its
+# width, that is, at most.
+LEAST_BELOW = 0.5
 
 
 def notices_of_sections(layers: Sequence[Layer], failed: Sequence[FailedLayer], process: Process) -> tuple[Notice, ...]:
@@ -43,7 +46,10 @@ def notices_of_sections(layers: Sequence[Layer], failed: Sequence[FailedLayer], 
 def notices_of_fills(layers: Sequence[Layer], fills: Sequence[LayerFill], process: Process) -> tuple[Notice, ...]:
     """What patterns had to say, and beads that hold too much metal or too little."""
     said = [note.on_layer(layer.index) for layer, fill in zip(layers, fills, strict=True) for note in fill.notes]
-    return grouped([*said, *_almost_bare(layers, fills, process), *_metal(layers, fills, process)])
+    laid = [laid_by_piece(fill, process) for fill in fills]
+    return grouped(
+        [*said, *_almost_bare(layers, fills, process), *_built_on_too_little(layers, laid), *_metal(layers, fills, process)]
+    )
 
 
 def _of_layer(kind: NoticeKind, layer: Layer | FailedLayer, text: str, **figures: float) -> Notice:
@@ -84,6 +90,30 @@ def _almost_bare(layers: Sequence[Layer], fills: Sequence[LayerFill], process: P
             if too_little or uncovered:
                 text = scarce if too_little else bare
                 out.append(Notice(kind=NoticeKind.BARE, text=text, layers=(layer.index,), pieces=(number,)))
+    return out
+
+
+def _built_on_too_little(layers: Sequence[Layer], laid: Sequence[dict[int, float]]) -> list[Notice]:
+    """Pieces that get their metal on pieces that did not: those hold less than a share of it."""
+    text = "built on beads that hold {share} times the metal that is laid on them; fill the layer below with another pattern"
+    out = []
+    for i in range(1, len(layers)):
+        below, above = layers[i - 1], layers[i]
+        areas = [piece.area() for piece in below.region.pieces]
+        scarce = any(laid[i - 1].get(k, 0.0) < LEAST_BELOW * area for k, area in enumerate(areas))
+        if above.index != below.index + 1 or not laid[i] or not scarce:
+            continue
+        carriers: dict[int, list[int]] = {}
+        for k, piece in overlapping_pieces(below.region, above.region):
+            carriers.setdefault(piece, []).append(k)
+        for piece, numbers in carriers.items():
+            metal, held = laid[i].get(piece, 0.0), math.fsum(laid[i - 1].get(k, 0.0) for k in numbers)
+            if held < LEAST_BELOW * min(metal, math.fsum(areas[k] for k in numbers)):
+                share = held / metal
+                figures = {"share": (share, share)}
+                out.append(
+                    Notice(kind=NoticeKind.WEAK_BELOW, text=text, layers=(above.index,), pieces=(piece,), figures=figures)
+                )
     return out
 
 

@@ -5,7 +5,7 @@ In: the loops of every solid's section. Out: regions (nested pieces with exact a
 
 from .allowance import grown_region, slice_with_allowance
 from .chart import band_between, lifts_between, polygon_from_piece
-from .features import features_of
+from .features import features_of, overlapping_pieces
 from .layer import FailedLayer, Layer
 from .overhang import DrawnRegion, Overhang, drawn_region, overhang_of
 from .overlaps import overlapping_area
@@ -20,6 +20,7 @@ __all__ = [
     "Overhang",
     "drawn_region",
     "overhang_of",
+    "overlapping_pieces",
     "FailedLayer",
     "Layer",
     "Piece",

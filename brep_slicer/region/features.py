@@ -25,13 +25,13 @@ def features_of(regions: Sequence[Region]) -> list[list[int]]:
 
     sets = DisjointSet([(i, j) for i, region in enumerate(regions) for j in range(len(region.pieces))])
     for i in range(1, len(regions)):
-        for j, k in _overlapping(regions[i - 1], regions[i]):
+        for j, k in overlapping_pieces(regions[i - 1], regions[i]):
             sets.merge((i - 1, j), (i, k))
     number: dict[tuple[int, int], int] = {}
     return [[number.setdefault(sets[i, j], len(number)) for j in range(len(region.pieces))] for i, region in enumerate(regions)]
 
 
-def _overlapping(first: Region, second: Region) -> list[tuple[int, int]]:
+def overlapping_pieces(first: Region, second: Region) -> list[tuple[int, int]]:
     """Numbers of pieces of two regions that overlap when drawn on the same cylinder."""
     import shapely.affinity
 

@@ -11,35 +11,94 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .curves import Curve, CurveKind, Loop
-    from .errors import BrepSlicerError, InputError, KernelError, LayerError, PlanningError
-    from .fill import (
-        Bead,
-        BeadKind,
-        Contours,
-        FlankFollowing,
-        Hatch,
-        Helix,
-        LayerFill,
-        Pattern,
-        PatternSequence,
-        Rings,
-        Skeleton,
-        Spiral,
-        Zigzag,
-        fill_region,
+    # `as` marks a name as one of this module's own, for type checkers
+    __version__: str
+
+    from .curves import (
+        Curve as Curve,
+        CurveKind as CurveKind,
+        Loop as Loop,
     )
-    from .inspection import Inspection, inspect_part
-    from .output.tables import read_toolpath
-    from .output.write import write_plan
-    from .part import Part, Solid, as_part, read_step
-    from .planning import Plan, plan
-    from .process import CutAt, Fit, InnerPattern, LastLayer, Order, Process, Rule, read_process
-    from .region import FailedLayer, Layer, Piece, Region, slice_part
-    from .section import Certificate, Engine
-    from .substrate.axis import Axis, axis_candidates, axis_from_line, axis_from_text, find_axis
-    from .substrate.radius import Substrate, coaxial_cylinders, find_substrate
-    from .toolpath import Toolpath
+    from .errors import (
+        BrepSlicerError as BrepSlicerError,
+        InputError as InputError,
+        KernelError as KernelError,
+        LayerError as LayerError,
+        PlanningError as PlanningError,
+    )
+    from .fill import (
+        Bead as Bead,
+        BeadKind as BeadKind,
+        Contours as Contours,
+        FlankFollowing as FlankFollowing,
+        Hatch as Hatch,
+        Helix as Helix,
+        LayerFill as LayerFill,
+        Pattern as Pattern,
+        PatternSequence as PatternSequence,
+        Rings as Rings,
+        Skeleton as Skeleton,
+        Spiral as Spiral,
+        Zigzag as Zigzag,
+        fill_region as fill_region,
+    )
+    from .inspection import (
+        Inspection as Inspection,
+        inspect_part as inspect_part,
+    )
+    from .output.tables import (
+        read_toolpath as read_toolpath,
+    )
+    from .output.write import (
+        write_plan as write_plan,
+    )
+    from .part import (
+        Part as Part,
+        Solid as Solid,
+        as_part as as_part,
+        read_step as read_step,
+    )
+    from .planning import (
+        Plan as Plan,
+        plan as plan,
+    )
+    from .process import (
+        CutAt as CutAt,
+        Fit as Fit,
+        InnerPattern as InnerPattern,
+        LastLayer as LastLayer,
+        Order as Order,
+        Process as Process,
+        Rule as Rule,
+        read_process as read_process,
+    )
+    from .region import (
+        FailedLayer as FailedLayer,
+        Layer as Layer,
+        Piece as Piece,
+        Region as Region,
+        slice_part as slice_part,
+    )
+    from .section import (
+        Certificate as Certificate,
+        Engine as Engine,
+    )
+    from .substrate.axis import (
+        Axis as Axis,
+        axis_candidates as axis_candidates,
+        axis_from_line as axis_from_line,
+        axis_from_text as axis_from_text,
+        find_axis as find_axis,
+    )
+    from .substrate.radius import (
+        Substrate as Substrate,
+        coaxial_cylinders as coaxial_cylinders,
+        find_substrate as find_substrate,
+    )
+    from .toolpath import (
+        Toolpath as Toolpath,
+    )
+
 
 _HOMES = {
     "curves": ("Curve", "CurveKind", "Loop"),
@@ -77,13 +136,19 @@ _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = sorted(_HOME_OF)
 
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOME_OF:
-        raise AttributeError(f"module 'brep_slicer' has no attribute {name!r}")
-    value = getattr(importlib.import_module(f"brep_slicer.{_HOME_OF[name]}"), name)
-    globals()[name] = value
-    return value
+if not TYPE_CHECKING:  # to type checkers, a module with this function would have any name at all
+
+    def __getattr__(name: str) -> Any:
+        if name == "__version__":
+            from .version import version
+
+            return version()
+        if name not in _HOME_OF:
+            raise AttributeError(f"module 'brep_slicer' has no attribute {name!r}")
+        value = getattr(importlib.import_module(f"brep_slicer.{_HOME_OF[name]}"), name)
+        globals()[name] = value
+        return value
 
 
 def __dir__() -> list[str]:
-    return __all__
+    return [*__all__, "__version__"]

@@ -43,7 +43,7 @@ Unit = Annotated[
 
 def _version(asked: bool) -> None:
     if asked:
-        from brep_slicer.output.report import version
+        from brep_slicer.version import version
 
         typer.echo(f"brep-slicer {version()}")
         raise typer.Exit()

@@ -6,23 +6,15 @@ In: a Plan, or the sections of one that failed before it was filled. Out: plain 
 from __future__ import annotations
 
 import math
-from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
 from brep_slicer.planning import Plan
 from brep_slicer.region import FailedLayer, Layer
+from brep_slicer.version import version
 
 if TYPE_CHECKING:
     from brep_slicer.fill import LayerFill
     from brep_slicer.planning import PlanSections
-
-
-def version() -> str:
-    """The installed version, or "unknown" from a bare source tree."""
-    try:
-        return metadata.version("brep-slicer")
-    except metadata.PackageNotFoundError:
-        return "unknown"
 
 
 def header_of_plan(plan: PlanSections) -> dict[str, Any]:

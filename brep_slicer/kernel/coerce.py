@@ -14,7 +14,7 @@ from OCP.TopoDS import TopoDS_Shape
 from brep_slicer.errors import InputError
 
 from .compat import as_solid, sub_shapes
-from .shapes import baked, compound, shape_from_bytes
+from .shapes import baked, compound, shape_from_bytes, unique_names
 
 
 def solids_from_object(thing: Any) -> list[tuple[str, Any]]:
@@ -34,12 +34,35 @@ def solids_from_object(thing: Any) -> list[tuple[str, Any]]:
     solids = [s for s in sub_shapes(shape, TopAbs_SOLID) if sub_shapes(s, TopAbs_FACE)]
     if not solids:
         raise InputError(f"the {kind} holds no solid (surfaces or wires only); give a closed solid")
-    name = getattr(thing, "label", "") or getattr(thing, "name", "") or "solid"
-    name = name if isinstance(name, str) else "solid"
-    here = TopLoc_Location()
-    if len(solids) == 1:
-        return [(name, baked(as_solid(solids[0]), here))]
-    return [(f"{name}#{i + 1}", baked(as_solid(s), here)) for i, s in enumerate(solids)]
+    # objects such as children share their geometry with the whole; what is placed twice is named in order
+    leaves = [(name, s) for name, leaf in _leaves(thing, "solid") for s in sub_shapes(leaf, TopAbs_SOLID)]
+    named = []
+    for solid in solids:
+        at = next((i for i, (_, leaf) in enumerate(leaves) if leaf.IsPartner(solid)), None)
+        name = leaves.pop(at)[0] if at is not None else _label(thing) or "solid"
+        named.append((name, baked(as_solid(solid), TopLoc_Location())))
+    return unique_names(named)
+
+
+def _label(thing: Any) -> str:
+    """What a host calls an object: build123d's label, CadQuery's name."""
+    for attribute in ("label", "name"):
+        name = getattr(thing, attribute, "")
+        if isinstance(name, str) and name.strip():
+            return name.strip()
+    return ""
+
+
+def _leaves(thing: Any, inherited: str) -> list[tuple[str, Any]]:
+    """The named shapes that a host object is put together of; a name that is missing is that of what it belongs to."""
+    name = _label(thing) or inherited
+    if hasattr(thing, "toCompound") and hasattr(thing, "children"):  # CadQuery Assembly: (shape, path of names, ...)
+        return [(str(item[1]).split("/")[-1], item[0].wrapped) for item in thing]
+    below = thing if isinstance(thing, list | tuple) else getattr(thing, "children", None)  # build123d has a tree of children
+    if isinstance(below, list | tuple) and below:
+        return [leaf for child in below for leaf in _leaves(child, name)]
+    shape = _shape_of(thing)
+    return [] if shape is None else [(name, shape)]
 
 
 def _shape_of(thing: Any) -> Any:

@@ -9,6 +9,26 @@ from typing import Any
 
 from brep_slicer.errors import KernelError
 
+
+def _check_one_kernel() -> None:
+    """Refuse an environment in which two versions of OCP lie over each other: both wheels write the same files."""
+    from importlib import metadata
+
+    found = {}
+    for name in ("cadquery-ocp", "cadquery-ocp-novtk"):
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            continue
+    if len({tuple(version.split(".")[:3]) for version in found.values()}) > 1:
+        listed = " and ".join(f"{name} {version}" for name, version in found.items())
+        raise KernelError(
+            f"two versions of the CAD kernel lie over each other in this environment ({listed}); make a fresh one, with"
+            ' pip install ".[cadquery]" or pip install ".[build123d]", not both'
+        )
+
+
+_check_one_kernel()
 try:
     import OCP
     from OCP.TopoDS import TopoDS

@@ -24,7 +24,7 @@ from OCP.XCAFDoc import XCAFDoc_DocumentTool, XCAFDoc_ShapeTool
 from brep_slicer.errors import InputError
 
 from .compat import as_solid, label_sequence, sub_shapes
-from .shapes import baked, scaled
+from .shapes import baked, scaled, unique_names
 from .silence import silenced
 
 MM_PER_UNIT = {
@@ -41,6 +41,25 @@ MM_PER_UNIT = {
     "inch": 25.4,
     "ft": 304.8,
     "mil": 0.0254,
+    "microinch": 2.54e-5,
+    "yd": 914.4,
+    "mile": 1609344.0,
+}
+# What files call them, beside the names above.
+_SPELLINGS = {
+    "inches": "inch",
+    "foot": "ft",
+    "feet": "ft",
+    "yard": "yd",
+    "yards": "yd",
+    "miles": "mile",
+    "mils": "mil",
+    "thou": "mil",
+    "micro_inch": "microinch",
+    "micro inch": "microinch",
+    "micro-inch": "microinch",
+    "microinches": "microinch",
+    "uin": "microinch",
 }
 # What editors put before UTF-8, as it looks in Latin-1.
 BYTE_ORDER_MARK = "\xef\xbb\xbf"
@@ -70,7 +89,8 @@ def solids_from_step(path: str | Path, *, unit: str | None = None) -> tuple[list
     """
     text = _checked_text(Path(path))
     stated = _stated_unit(text)
-    if unit is not None and unit.lower() not in MM_PER_UNIT:
+    asked = "" if unit is None else _SPELLINGS.get(unit.strip().lower(), unit.strip().lower())
+    if unit is not None and asked not in MM_PER_UNIT:
         raise InputError(f"{path}: unit {unit!r} is not known; give one of {', '.join(MM_PER_UNIT)}")
     if stated is None and unit is None:
         raise InputError(f"{path}: the file states no length unit; say which it is with --unit (mm, cm, m, inch)")
@@ -85,10 +105,10 @@ def solids_from_step(path: str | Path, *, unit: str | None = None) -> tuple[list
     if not solids:
         raise InputError(f"{path}: {_what_instead(text)}; export a solid (closed B-Rep) as STEP")
     # OCCT converts to mm by the stated unit, and takes mm where none is stated
-    factor = 1.0 if unit is None else MM_PER_UNIT[unit.lower()] / (MM_PER_UNIT[stated] if stated else 1.0)
+    factor = 1.0 if unit is None else MM_PER_UNIT[asked] / (stated[1] if stated else 1.0)
     if factor != 1.0:
         solids = [(name, as_solid(scaled(solid, factor))) for name, solid in solids]
-    return solids, (unit or stated or "mm").lower()
+    return solids, asked or (stated[0] if stated else "mm")
 
 
 def _checked_text(path: Path) -> str:
@@ -113,37 +133,51 @@ def _checked_text(path: Path) -> str:
     return text
 
 
-def _stated_unit(text: str) -> str | None:
-    """The header's first length unit, by name; None where no length unit is stated."""
-    entities = re.findall(r"=\s*(\([^;]*?LENGTH_UNIT\s*\([^;]*);", text, flags=re.S)
-    units: list[str] = []
-    for entity in entities:
-        converted = re.search(r"CONVERSION_BASED_UNIT\s*\(\s*'([^']*)'", entity)
-        si = re.search(r"SI_UNIT\s*\(\s*(?:\.(\w+)\.|\$)\s*,\s*\.METRE\.\s*\)", entity)
-        if converted:
-            name = converted.group(1).strip().lower()
-            units.insert(0, {"inch": "inch", "inches": "inch", "foot": "ft", "feet": "ft"}.get(name, name))
-        elif si:
-            units.append(_PREFIXES.get(si.group(1) or "", "m"))
-    # a conversion based unit refers to a metric one: the converted one comes first
-    known = [u for u in units if u in MM_PER_UNIT]
-    if any(u == "inch" or u == "ft" for u in known):
-        return known[0]
-    used = _units_in_contexts(text)
-    return used or (known[0] if known else None)
+def _stated_unit(text: str) -> tuple[str, float] | None:
+    """The length unit that a file's shapes are in, by name, and its millimetres; None where no length unit is stated.
 
-
-def _units_in_contexts(text: str) -> str | None:
-    """The length unit that the representation contexts refer to (files may define others that nothing uses)."""
-    context = re.search(r"GLOBAL_UNIT_ASSIGNED_CONTEXT\s*\(\s*\(([^)]*)\)", text)
-    if not context:
-        return None
-    for reference in re.findall(r"#(\d+)", context.group(1)):
-        entity = re.search(rf"#{reference}\s*=\s*(\([^;]*);", text, flags=re.S)
-        si = entity and re.search(r"SI_UNIT\s*\(\s*(?:\.(\w+)\.|\$)\s*,\s*\.METRE\.\s*\)", entity.group(1))
-        if si:
-            return _PREFIXES.get(si.group(1) or "", "m")
+    It is the one that the representation contexts refer to (files may define others that nothing uses), else the first
+    conversion based one, which refers to a metric one itself, else the first metric one.
+    """
+    defined = re.findall(r"#\d+\s*=\s*(\([^;]*?LENGTH_UNIT\s*\([^;]*);", text, flags=re.S)
+    converted_first = sorted(defined, key=lambda entity: "CONVERSION_BASED_UNIT" not in entity)
+    for entity in [*_entities_of_contexts(text), *converted_first]:
+        unit = _unit_of(entity, text)
+        if unit is not None:
+            return unit
     return None
+
+
+def _entities_of_contexts(text: str) -> list[str]:
+    """The unit entities that the representation contexts refer to."""
+    listed = re.findall(r"GLOBAL_UNIT_ASSIGNED_CONTEXT\s*\(\s*\(([^)]*)\)", text)
+    references = [reference for context in listed for reference in re.findall(r"#(\d+)", context)]
+    return [entity for reference in dict.fromkeys(references) if "LENGTH_UNIT" in (entity := _entity(reference, text))]
+
+
+def _entity(reference: str, text: str) -> str:
+    """An entity's text by its number; empty where there is none."""
+    found = re.search(rf"#{reference}\s*=\s*([^;]*);", text, flags=re.S)
+    return found.group(1) if found else ""
+
+
+def _unit_of(entity: str, text: str) -> tuple[str, float] | None:
+    """Name and millimetres of a length unit: an SI unit, or one that is so many of another."""
+    converted = re.search(r"CONVERSION_BASED_UNIT\s*\(\s*'([^']*)'\s*,\s*#(\d+)", entity)
+    if converted:
+        said = converted.group(1).strip().lower()
+        name = _SPELLINGS.get(said, said)
+        measure = _entity(converted.group(2), text)
+        size = re.search(r"LENGTH_MEASURE\s*\(\s*([-+.\dEe]+)\s*\)\s*,\s*#(\d+)", measure)
+        base = _unit_of(_entity(size.group(2), text), text) if size and size.group(2) != converted.group(2) else None
+        if size and base:
+            return name, float(size.group(1)) * base[1]
+        return (name, MM_PER_UNIT[name]) if name in MM_PER_UNIT else None
+    si = re.search(r"SI_UNIT\s*\(\s*(?:\.(\w+)\.|\$)\s*,\s*\.METRE\.\s*\)", entity)
+    if not si:
+        return None
+    name = _PREFIXES.get(si.group(1) or "", "m")
+    return name, MM_PER_UNIT[name]
 
 
 def _read_document(path: Path) -> Any:
@@ -168,7 +202,7 @@ def _named_solids(document: Any) -> list[tuple[str, Any]]:
     found: list[tuple[str, Any]] = []
     for i in range(1, roots.Length() + 1):
         _collect(roots.Value(i), TopLoc_Location(), found)
-    return _unique_names(found)
+    return unique_names(found)
 
 
 def _collect(label: Any, location: Any, found: list[tuple[str, Any]], name: str = "") -> None:
@@ -198,18 +232,6 @@ def _name_of(label: Any) -> str:
     if label.FindAttribute(TDataStd_Name.GetID_s(), attribute):
         return str(attribute.Get().ToExtString()).strip()
     return ""
-
-
-def _unique_names(found: list[tuple[str, Any]]) -> list[tuple[str, Any]]:
-    total: dict[str, int] = {}
-    for name, _ in found:
-        total[name] = total.get(name, 0) + 1
-    seen: dict[str, int] = {}
-    out = []
-    for name, solid in found:
-        seen[name] = seen.get(name, 0) + 1
-        out.append((f"{name}#{seen[name]}" if total[name] > 1 else name, solid))
-    return out
 
 
 def _what_instead(text: str) -> str:

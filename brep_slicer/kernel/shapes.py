@@ -132,6 +132,19 @@ def _volume_from(solid: Any, apex: np.ndarray) -> float:
     return total
 
 
+def unique_names(found: list[tuple[str, Any]]) -> list[tuple[str, Any]]:
+    """Named shapes with numbers behind names that occur more than once: name#1, name#2."""
+    total: dict[str, int] = {}
+    for name, _ in found:
+        total[name] = total.get(name, 0) + 1
+    seen: dict[str, int] = {}
+    out = []
+    for name, solid in found:
+        seen[name] = seen.get(name, 0) + 1
+        out.append((f"{name}#{seen[name]}" if total[name] > 1 else name, solid))
+    return out
+
+
 def compound(shapes: Any) -> Any:
     """One compound of several shapes."""
     builder = BRep_Builder()

@@ -61,10 +61,16 @@ def test_all_files_are_written(planned):
 
 
 def test_lengths_and_times_are_said_in_units_of_their_size():
-    from brep_slicer.cli import _length, _time
+    from brep_slicer.wording import in_words_of_length, in_words_of_time
 
-    assert [_length(mm) for mm in (0.0, 2.08, 999.0, 5812.4, 2.5e6)] == ["0 mm", "2.08 mm", "999 mm", "5.812 m", "2.5 km"]
-    assert [_time(s) for s in (0.231, 119.0, 645.6, 36000.0)] == ["0.231 s", "119 s", "10.76 min", "10 h"]
+    assert [in_words_of_length(mm) for mm in (0.0, 2.08, 999.0, 5812.4, 2.5e6)] == [
+        "0 mm",
+        "2.08 mm",
+        "999 mm",
+        "5.812 m",
+        "2.5 km",
+    ]
+    assert [in_words_of_time(s) for s in (0.231, 119.0, 645.6, 36000.0)] == ["0.231 s", "119 s", "10.76 min", "10 h"]
 
 
 def test_the_report_says_what_was_done(planned):
@@ -336,3 +342,71 @@ def test_a_fallback_is_said(monkeypatch):
     (layer,) = bs.slice_part(bs.read_step(TOOTH), [170.0])
     assert layer.certificate.engine is bs.Engine.BOOLEAN
     assert layer.certificate.fallback == "made to fail"
+
+
+def test_the_help_has_an_example_groups_patterns_and_what_only_files_say():
+    from dataclasses import fields
+
+    from brep_slicer.cli.help import PATTERN_LINES
+
+    env = os.environ | {"PYTHONPATH": str(ROOT), "COLUMNS": "120"}
+    words = [sys.executable, "-m", "brep_slicer", "plan", "--help"]
+    said = subprocess.run(words, capture_output=True, text=True, env=env).stdout
+    assert "brep-slicer plan gear.step -t 1.4 -d 3.4" in said
+    for group in ("Layers", "Beads", "What is written", "Part: what is built, on what", "How it is computed"):
+        assert f"─ {group} ─" in said
+    for pattern in bs.InnerPattern:
+        assert PATTERN_LINES[pattern.value], "a new pattern: a line of help for it"
+        assert PATTERN_LINES[pattern.value] in said
+    # every parameter has an option, or is named as one that has none
+    only = said.split("Only in a file")[1].split("Arguments")[0].replace(",", " ").split()
+    given = (
+        "layer_thickness step_over bead_width inset contours pattern fit allowance order deposition_speed_mm_s chord last_layer"
+    )
+    given += " cut_at speed_follows_spacing hatch_angles_deg hatch_angle_step_deg both_ways"
+    for name in (f.name for f in fields(bs.Process)):
+        assert (name in only) != (name in given.split()), name
+
+
+def test_the_example_of_the_help_works(tmp_path):
+    from brep_slicer.cli.help import PLAN_HELP
+
+    (line,) = [line.strip() for line in PLAN_HELP.splitlines() if line.strip().startswith("brep-slicer plan gear.step")]
+    words = [str(TOOTH) if word == "gear.step" else word for word in line.split()[1:]]
+    done = run(*words, "--layers", "0:2", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "toolpath.csv").exists()
+
+
+def test_the_summary_has_a_line_a_layer(planned):
+    rows = [line.split() for line in planned[1].stdout.splitlines()]
+    head = next(i for i, row in enumerate(rows) if row[:2] == ["layer", "R"])
+    report = json.loads((planned[0] / "report.json").read_text())
+    for row, layer in zip(rows[head + 1 : head + 4], report["layers"], strict=True):
+        assert [int(row[0]), float(row[1]), int(row[3])] == [layer["layer"], layer["radius_mm"], layer["beads"]]
+        # metal: step-over times thickness along the beads, 1.4 x 3.4 mm here
+        laid = 1.4 * 3.4 * layer["deposition_length_mm"]
+        assert float(row[4]) == pytest.approx(laid / 1000.0, rel=1e-3)
+        assert int(row[5]) == pytest.approx(100.0 * laid / (1.4 * layer["area_mm2"]), abs=0.51)
+    assert "catchment not known" in planned[1].stdout
+
+
+def test_long_tables_are_cut_in_the_middle():
+    from brep_slicer.cli.summary import MOST_ROWS, table_of_layers
+
+    row = {"failed": False, "radius_mm": 10.0, "thickness_mm": 1.0, "area_mm2": 50.0, "beads": 3}
+    row |= {"deposition_length_mm": 50.0, "travel_length_mm": 1.0, "deposition_time_s": 100.0, "travel_time_s": 80.0}
+    for count in (1, MOST_ROWS, MOST_ROWS + 1, 200):
+        lines = table_of_layers([row | {"layer": i} for i in range(count)], 1.0)
+        assert len(lines) == 1 + min(count, MOST_ROWS + 1)
+        assert all(len(line) <= 80 for line in lines)
+        assert lines[-1].split() == [str(count - 1), "10", "50", "3", "0.05", "100", "%", "3", "min"]
+        assert (f"{count - MOST_ROWS} layer" in "".join(lines)) == (count > MOST_ROWS)
+
+
+def test_the_catchment_is_said_where_it_is_known(tmp_path):
+    path = tmp_path / "process.toml"
+    path.write_text("layer_thickness = 1.4\nstep_over = 3.4\npowder_density_g_cm3 = 7.99\npowder_feed_g_s = 0.4\n")
+    done = run("plan", TOOTH, "--process", path, "--layers", "0:1", "-o", tmp_path / "out")
+    # eta = t d speed density / feed
+    assert f"catchment {100 * 1.4 * 3.4 * 9.0 * 7.99e-3 / 0.4:.3g} %" in done.stdout

@@ -124,7 +124,7 @@ class TestBuiltOnTooLittle:
 
 
 def test_empty_layers_are_one_line_and_no_kind_hides_another(plan, capsys):
-    from brep_slicer.cli import MOST_OF_A_KIND, _warn
+    from brep_slicer.cli.summary import MOST_OF_A_KIND, warn
 
     empty = [replace(layer, region=replace(layer.region, pieces=()), area=0.0) for layer in plan.layers]
     (said,) = notices_of_sections([empty[0], plan.layers[1], *empty[2:]], (), plan.process)
@@ -132,7 +132,7 @@ def test_empty_layers_are_one_line_and_no_kind_hides_another(plan, capsys):
     assert str(said) == "layers 0, 2 to 4: no metal (R 150 to 155.6 mm)"
     # forty notes of one kind are cut short, and the others are all there
     notes = [note(f"only {n} of 40 contours fit", 0) for n in range(40)]
-    _warn([*notes, said, Notice(kind=NoticeKind.ON_AIR, text="a rim hangs"), Notice(kind=NoticeKind.STACK, text="too high")])
+    warn([*notes, said, Notice(kind=NoticeKind.ON_AIR, text="a rim hangs"), Notice(kind=NoticeKind.STACK, text="too high")])
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == MOST_OF_A_KIND + 4
     assert lines[MOST_OF_A_KIND] == f"warning: {40 - MOST_OF_A_KIND} more of this kind (pattern) in report.json"

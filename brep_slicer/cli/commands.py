@@ -14,6 +14,9 @@ import typer
 
 from brep_slicer.errors import BrepSlicerError, InputError
 
+from .help import INPUT, LAYERS, METAL, OUTPUT, PLAN_HELP, TUNING, pattern_names
+from .summary import say, warn
+
 app = typer.Typer(
     name="brep-slicer",
     help="Plan laser metal deposition on shafts: cut a STEP solid with coaxial cylinders, fill the layers with beads.",
@@ -22,22 +25,30 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-# So many lines of one kind of warning are shown; the report has all of them.
-MOST_OF_A_KIND = 5
-
 PartFile = Annotated[Path, typer.Argument(help="STEP file of the part.", metavar="PART.step")]
 AxisText = Annotated[
     str | None,
-    typer.Option("--axis", help="Axis of the shaft: X, Y, Z, or origin:direction as 0,0,5:0,0,1. Found if not given."),
+    typer.Option(
+        "--axis",
+        help="Axis of the shaft: X, Y, Z, or origin:direction as 0,0,5:0,0,1. Found if not given.",
+        rich_help_panel=INPUT,
+    ),
 ]
 SubstrateRadius = Annotated[
-    float | None, typer.Option("--substrate", help="Radius of the cylinder to build on, mm. Chosen and explained if not given.")
+    float | None,
+    typer.Option(
+        "--substrate", help="Radius of the cylinder to build on, mm. Chosen and explained if not given.", rich_help_panel=INPUT
+    ),
 ]
 SolidNames = Annotated[
-    list[str] | None, typer.Option("--solid", help="Plan only this solid, by name or index; may be repeated.")
+    list[str] | None,
+    typer.Option("--solid", help="Plan only this solid, by name or index; may be repeated.", rich_help_panel=INPUT),
 ]
 Unit = Annotated[
-    str | None, typer.Option("--unit", help="Length unit of the file if it states none (or a wrong one): mm, cm, m, inch, ...")
+    str | None,
+    typer.Option(
+        "--unit", help="Length unit of the file if it states none (or a wrong one): mm, cm, m, inch, ...", rich_help_panel=INPUT
+    ),
 ]
 
 
@@ -95,78 +106,124 @@ def inspect(
     typer.echo("\n".join(lines))
 
 
-@app.command()
+@app.command(help=PLAN_HELP)
 def plan(
     part: PartFile,
-    layer_thickness: Annotated[float | None, typer.Option("-t", "--layer-thickness", help="Layer thickness t, mm.")] = None,
-    step_over: Annotated[float | None, typer.Option("-d", "--step-over", help="Step-over d between bead centres, mm.")] = None,
-    out: Annotated[Path, typer.Option("-o", "--out", help="Folder to write to.")] = Path("out"),
-    process: Annotated[
-        Path | None, typer.Option("--process", help="TOML file with process parameters; options overrule it.")
+    layer_thickness: Annotated[
+        float | None, typer.Option("-t", "--layer-thickness", help="Layer thickness t, mm.", rich_help_panel=LAYERS)
     ] = None,
-    width: Annotated[float | None, typer.Option("-w", "--bead-width", help="Bead width w, mm (default 1.44 d).")] = None,
+    step_over: Annotated[
+        float | None, typer.Option("-d", "--step-over", help="Step-over d between bead centres, mm.", rich_help_panel=METAL)
+    ] = None,
+    out: Annotated[Path, typer.Option("-o", "--out", help="Folder to write to.", rich_help_panel=OUTPUT)] = Path("out"),
+    process: Annotated[
+        Path | None,
+        typer.Option("--process", help="TOML file with process parameters; options overrule it.", rich_help_panel=INPUT),
+    ] = None,
+    width: Annotated[
+        float | None, typer.Option("-w", "--bead-width", help="Bead width w, mm (default 1.44 d).", rich_help_panel=METAL)
+    ] = None,
     inset: Annotated[
-        float | None, typer.Option("--inset", help="Outermost bead centres inside of the outline, mm (default w/2).")
+        float | None,
+        typer.Option("--inset", help="Outermost bead centres inside of the outline, mm (default w/2).", rich_help_panel=METAL),
     ] = None,
     contours: Annotated[
-        int | None, typer.Option("--contours", help="Beads along the outline before hatching (default 0).")
+        int | None,
+        typer.Option("--contours", help="Beads along the outline before hatching (default 0).", rich_help_panel=METAL),
     ] = None,
     pattern: Annotated[
         str | None,
         typer.Option(
-            "--pattern",
-            help="Inside of the contours: hatch (default), zigzag, flank, contours, spiral, skeleton, rings or helix.",
+            "--pattern", help=f"Inside of the contours: {', '.join(pattern_names())}; see above.", rich_help_panel=METAL
         ),
     ] = None,
     fit: Annotated[
-        str | None, typer.Option("--fit", help="Outermost bead centres in (w/2 inside, default), on, or out of the outline.")
+        str | None,
+        typer.Option(
+            "--fit", help="Outermost bead centres in (w/2 inside, default), on, or out of the outline.", rich_help_panel=METAL
+        ),
     ] = None,
     allowance: Annotated[
         float | None,
-        typer.Option("--allowance", help="Machining allowance: grow the part by this much all over, mm (default 0)."),
+        typer.Option(
+            "--allowance",
+            help="Machining allowance: grow the part by this much all over, mm (default 0).",
+            rich_help_panel=LAYERS,
+        ),
     ] = None,
     order: Annotated[
-        str | None, typer.Option("--order", help="Beads in the pattern's order (default), or shortest travels.")
+        str | None,
+        typer.Option("--order", help="Beads in the pattern's order (default), or shortest travels.", rich_help_panel=METAL),
     ] = None,
     even_height: Annotated[
-        bool, typer.Option("--even-height", help="Faster where beads come nearer to each other, so that the height stays t.")
+        bool,
+        typer.Option(
+            "--even-height",
+            help="Faster where beads come nearer to each other, so that the height stays t.",
+            rich_help_panel=METAL,
+        ),
     ] = False,
     proof: Annotated[
-        bool, typer.Option("--proof", help="Measure step-over, coverage and deposit; goes into report.json and proof.png.")
+        bool,
+        typer.Option(
+            "--proof",
+            help="Measure step-over, coverage and deposit; goes into report.json and proof.png.",
+            rich_help_panel=OUTPUT,
+        ),
     ] = False,
     angle: Annotated[
         list[float] | None,
-        typer.Option("--angle", help="Hatch angle, degrees from the circumference; repeated: layer by layer in turn."),
+        typer.Option(
+            "--angle",
+            help="Hatch angle, degrees from the circumference; repeated: layer by layer in turn.",
+            rich_help_panel=METAL,
+        ),
     ] = None,
     angle_step: Annotated[
-        float | None, typer.Option("--angle-step", help="Turn the hatch by this many degrees from layer to layer.")
+        float | None,
+        typer.Option("--angle-step", help="Turn the hatch by this many degrees from layer to layer.", rich_help_panel=METAL),
     ] = None,
-    one_way: Annotated[bool, typer.Option("--one-way", help="Lay all hatch beads in the same direction.")] = False,
-    speed: Annotated[float | None, typer.Option("--speed", help="Deposition speed, mm/s (default 9).")] = None,
+    one_way: Annotated[
+        bool, typer.Option("--one-way", help="Lay all hatch beads in the same direction.", rich_help_panel=METAL)
+    ] = False,
+    speed: Annotated[
+        float | None, typer.Option("--speed", help="Deposition speed, mm/s (default 9).", rich_help_panel=METAL)
+    ] = None,
     chord: Annotated[
-        float | None, typer.Option("--chord", help="Tolerance of sampled curves, mm (default 0.01, or d / 100 for d below 1).")
+        float | None,
+        typer.Option(
+            "--chord", help="Tolerance of sampled curves, mm (default 0.01, or d / 100 for d below 1).", rich_help_panel=TUNING
+        ),
     ] = None,
     last_layer: Annotated[
         str | None,
         typer.Option(
             "--last-layer",
             help="Last layer if t does not divide the height: auto (kept, unless a sliver), keep, drop, stretch.",
+            rich_help_panel=LAYERS,
         ),
     ] = None,
     cut_at: Annotated[
-        str | None, typer.Option("--cut-at", help="Cut layers at the bottom (default) or the middle of their thickness.")
+        str | None,
+        typer.Option(
+            "--cut-at", help="Cut layers at the bottom (default) or the middle of their thickness.", rich_help_panel=LAYERS
+        ),
     ] = None,
-    layers: Annotated[str | None, typer.Option("--layers", help="Plan only layers a:b (from 0, b not included).")] = None,
-    engine: Annotated[str, typer.Option("--engine", help="analytic (default) or boolean.")] = "analytic",
+    layers: Annotated[
+        str | None, typer.Option("--layers", help="Plan only layers a:b (from 0, b not included).", rich_help_panel=LAYERS)
+    ] = None,
+    engine: Annotated[
+        str, typer.Option("--engine", help="analytic (default) or boolean.", rich_help_panel=TUNING)
+    ] = "analytic",
     axis: AxisText = None,
     substrate: SubstrateRadius = None,
     solid: SolidNames = None,
     unit: Unit = None,
     allow_failed: Annotated[
-        bool, typer.Option("--allow-failed", help="Write the toolpath even if some layers failed.")
+        bool, typer.Option("--allow-failed", help="Write the toolpath even if some layers failed.", rich_help_panel=TUNING)
     ] = False,
-    step: Annotated[bool, typer.Option("--step", help="Also write the beads as STEP wires.")] = False,
-    dxf: Annotated[bool, typer.Option("--dxf", help="Also write the unrolled layers as DXF.")] = False,
+    step: Annotated[bool, typer.Option("--step", help="Also write the beads as STEP wires.", rich_help_panel=OUTPUT)] = False,
+    dxf: Annotated[bool, typer.Option("--dxf", help="Also write the unrolled layers as DXF.", rich_help_panel=OUTPUT)] = False,
 ) -> None:
     """Plan the deposition of a part: toolpath.csv, toolpath.json, report.json, layers.png, toolpath.png."""
     from brep_slicer.output.atomic import ensure_folder
@@ -199,58 +256,20 @@ def plan(
     with _progress("sections") as advance:
         sections = cut_layers(read, settings, axis=axis, substrate=substrate, layers=layers, engine=engine, progress=advance)
     # what is known of the sections is said at once: beads and proof may take minutes
-    _warn(sections.notices)
+    warn(sections.notices)
     if sections.failed and not allow_failed:
         write_report(sections, out)
         check_complete(sections)
     typer.echo(f"sections: {summary_of_sections(sections)}")
     with _progress("beads") as advance:
         made = fill_layers(sections, progress=advance)
-    _warn(made.notices[len(sections.notices) :])
+    warn(made.notices[len(sections.notices) :])
     if proof:
         with _progress("proof") as advance:
             made.proof(progress=advance)
     written = write_plan(made, out, allow_failed=allow_failed, step=step, dxf=dxf, proof=proof)
-    _say(made, proof=proof)
+    say(made, proof=proof)
     typer.echo("written: " + ", ".join(str(path) for path in written))
-
-
-def _warn(notices: Any) -> None:
-    """Warnings on standard error, of each kind no more than a screen holds; none hides another kind."""
-    kinds = list(dict.fromkeys(notice.kind for notice in notices))
-    for kind in kinds:
-        alike = [notice for notice in notices if notice.kind is kind]
-        for notice in alike[:MOST_OF_A_KIND]:
-            typer.echo(f"warning: {notice}", err=True)
-        if len(alike) > MOST_OF_A_KIND:
-            typer.echo(f"warning: {len(alike) - MOST_OF_A_KIND} more of this kind ({kind.value}) in report.json", err=True)
-
-
-def _say(made: Any, *, proof: bool) -> None:
-    """What was planned, on standard output."""
-    totals = made.report()["totals"]
-    first, last = made.layers[0], made.layers[-1]
-    which = f"numbers {first.index} to {last.index} at R" if last is not first else f"number {first.index} at R"
-    radii = f"{first.radius:.6g} to {last.radius:.6g} mm" if last is not first else f"{first.radius:.6g} mm"
-    typer.echo(
-        f"{len(made.layers)} layers on R {made.substrate.radius:.6g} mm, {which} {radii} ({made.substrate.reason});"
-        f" {totals['beads']} beads, {_length(totals['deposition_length_mm'])} deposited in"
-        f" {_time(totals['deposition_time_s'])}, {_length(totals['travel_length_mm'])} travel"
-    )
-    if proof:
-        from brep_slicer.proof import summary_of_proof
-
-        typer.echo(f"proof: {summary_of_proof(made.proof())}")
-
-
-def _length(mm: float) -> str:
-    return f"{mm:.4g} mm" if mm < 1000.0 else f"{mm / 1000.0:.4g} m" if mm < 1e6 else f"{mm / 1e6:.4g} km"
-
-
-def _time(seconds: float) -> str:
-    """In seconds up to two minutes, in minutes up to two hours, in hours beyond."""
-    unit, size = ("s", 1.0) if seconds < 120.0 else ("min", 60.0) if seconds < 7200.0 else ("h", 3600.0)
-    return f"{seconds / size:.4g} {unit}"
 
 
 def _process(path: Path | None, given: dict[str, Any]) -> Any:
@@ -309,7 +328,7 @@ def view(folder: Annotated[Path, typer.Argument(help="Folder that `plan` has wri
 def main() -> None:
     """Entry point: every error that we know of is one line on standard error and an exit code."""
     try:
-        sys.exit(app(standalone_mode=False) or 0)
+        sys.exit(app(standalone_mode=False, prog_name="brep-slicer") or 0)
     except BrepSlicerError as error:
         _end(str(error), error.exit_code)
     except MemoryError:
@@ -333,7 +352,3 @@ def main() -> None:
 def _end(message: str, code: int) -> None:
     typer.echo(f"brep-slicer: {' '.join(message.split())}", err=True)
     sys.exit(code)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,0 +1,8 @@
+"""The command line: brep-slicer inspect, plan, view.
+
+In: words from a shell. Out: files, a few lines on the terminal, an exit code.
+"""
+
+from .commands import app, main
+
+__all__ = ["app", "main"]

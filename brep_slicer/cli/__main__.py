@@ -1,0 +1,9 @@
+"""The command as `python -m brep_slicer.cli`.
+
+In: words from a shell. Out: what `brep-slicer` does.
+"""
+
+from . import main
+
+if __name__ == "__main__":
+    main()

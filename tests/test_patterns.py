@@ -152,7 +152,8 @@ def test_proof_from_the_command(fixture_step, tmp_path):
     places = sum(m["spacings"] for m in measured)
     assert all(m["as_planned"] == m["spacings"] for m in measured)
     worst = max(row["bare_share"] for row in report["proof"])
-    assert f"beads 3.4 mm apart as planned (within 0.001 mm) at all {places} places measured; " in said
+    assert said.startswith("proof: even; ")
+    assert f"beads 3.4 mm apart as planned (within 0.001 mm): flank-flank at all {places} places; " in said
     assert f"at most {100 * worst:.3g} % left bare" in said
     assert report["proof"][0]["bare_share"] < 0.005
     assert (tmp_path / "proof.png").stat().st_size > 10_000
@@ -166,11 +167,53 @@ def test_the_proof_tells_the_spacings_of_a_hatch_from_those_at_its_contour(fixtu
     assert 0 < measured["as_planned"] < measured["spacings"]
     assert measured["others_lowest"] == measured["lowest"] < 3.399
     said = summary_of_proof([row])
-    share = math.floor(1000.0 * measured["as_planned"] / measured["spacings"]) / 10.0
-    assert said.startswith(
-        f"beads 3.4 mm apart as planned (within 0.001 mm) at {share:.3g} % of {measured['spacings']} places measured, "
-    )
-    assert f" {measured['others_lowest']:.3f} to {measured['others_highest']:.3f} mm at the others" in said
+    pairs = measured["by_neighbours"]
+    # lines of the hatch are a step-over apart wherever they are neighbours; a contour crosses their ends at an angle
+    hatch, ends = pairs["hatch-hatch"], pairs["contour-hatch"]
+    assert hatch["as_planned"] == hatch["spacings"] > 100
+    assert hatch["others_lowest"] is None
+    assert ends["as_planned"] < ends["spacings"]
+    for key in ("spacings", "as_planned"):
+        assert sum(pair[key] for pair in pairs.values()) == measured[key]
+    assert min(p["others_lowest"] for p in pairs.values() if p["others_lowest"]) == measured["others_lowest"]
+    assert f"(within 0.001 mm): hatch-hatch at all {hatch['spacings']} places" in said.replace("contour-contour", "")
+    off = ends["spacings"] - ends["as_planned"]
+    span = f"{ends['others_lowest']:.3f} to {ends['others_highest']:.3f} mm"
+    assert f"contour-hatch {span} at {off} of {ends['spacings']} places, where they meet on purpose" in said
+
+
+def row_of(pairs, *, bare=0.001, height=1.0, layer=0):
+    """A row of a proof with these neighbours: (places, as planned) by pair."""
+    known = {
+        pair: {
+            "spacings": n,
+            "as_planned": k,
+            "others_lowest": 1.0 if k < n else None,
+            "others_highest": 2.0 if k < n else None,
+        }
+        for pair, (n, k) in pairs.items()
+    }
+    measured = {"spacings": sum(n for n, _ in pairs.values()), "planned": [3.4], "by_neighbours": known}
+    return {"layer": layer, "bare_share": bare, "mean_height_over_t": height, "step_over_measured_mm": measured}
+
+
+@pytest.mark.parametrize(
+    ("row", "verdict"),
+    [
+        (row_of({"hatch-hatch": (100, 100), "contour-hatch": (50, 0)}), "even; "),
+        (row_of({"hatch-hatch": (1000, 995)}), "even; "),
+        (row_of({"hatch-hatch": (100, 98)}), "uneven: hatch-hatch not spaced as planned; "),
+        (row_of({"ring-ring": (9, 9)}, bare=0.05, layer=7), "uneven: 1 layer with more than 2% bare, most on layer 7; "),
+        (
+            row_of({"ring-ring": (9, 9)}, height=1.1, layer=3),
+            "uneven: 1 layer whose mean height is off t by more than 2%, most ",
+        ),
+        (row_of({"ring-ring": (9, 9)}, height=0.97), "uneven: 1 layer whose mean height"),
+        (row_of({}), "even; no two beads beside each other"),
+    ],
+)
+def test_the_proof_begins_with_its_verdict(row, verdict):
+    assert summary_of_proof([row]).startswith(verdict)
 
 
 def test_each_tooth_is_built_whole_before_the_next(fixture_step):

@@ -56,7 +56,7 @@ def planned(tmp_path_factory):
 def test_all_files_are_written(planned):
     out, done = planned
     assert {p.name for p in out.iterdir()} == FILES | {"beads.step", "layers.dxf"}
-    assert "3 layers on R 150 mm" in done.stdout
+    assert "3 layers on R 150 mm, numbers 0 to 2 at R 150 to 152.8 mm" in done.stdout
     assert "3 by analytic" in done.stdout
 
 

@@ -136,7 +136,7 @@ BAD = {
     "not a number": (["plan", TOOTH, "-t", "nan", "-d", 1], 2, "must be a finite number"),
     "thicker than the part": (["plan", TOOTH, "-t", 90, "-d", 1], 2, "larger than the whole height"),
     "wider than the part": (["plan", TOOTH, "-t", 1, "-d", 900], 2, "step-over 900 mm is larger than the part"),
-    "far too fine": (["plan", TOOTH, "-t", 1.4, "-d", 1e-5], 2, "at a step-over of 1e-05 mm the layers take"),
+    "far too fine": (["plan", TOOTH, "-t", 1.4, "-d", 1e-5], 2, "--yes plans it all the same"),
     "no axis like that": (["plan", TOOTH, "-t", 1, "-d", 1, "--axis", "Q"], 2, "axis 'Q' is not understood"),
     "substrate outside": (["plan", TOOTH, "-t", 1, "-d", 1, "--substrate", 500], 2, "leaves nothing to build"),
     "substrate too small": (

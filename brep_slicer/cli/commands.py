@@ -222,6 +222,9 @@ def plan(
     allow_failed: Annotated[
         bool, typer.Option("--allow-failed", help="Write the toolpath even if some layers failed.", rich_help_panel=TUNING)
     ] = False,
+    yes: Annotated[
+        bool, typer.Option("--yes", help="Plan without asking, however long it may take.", rich_help_panel=TUNING)
+    ] = False,
     step: Annotated[bool, typer.Option("--step", help="Also write the beads as STEP wires.", rich_help_panel=OUTPUT)] = False,
     dxf: Annotated[bool, typer.Option("--dxf", help="Also write the unrolled layers as DXF.", rich_help_panel=OUTPUT)] = False,
 ) -> None:
@@ -230,6 +233,7 @@ def plan(
     from brep_slicer.output.report import summary_of_sections
     from brep_slicer.output.write import write_plan, write_report
     from brep_slicer.planning import check_complete, cut_layers, fill_layers
+    from brep_slicer.planning.estimate import estimate_of
 
     given = {
         "layer_thickness": layer_thickness,
@@ -261,6 +265,7 @@ def plan(
         write_report(sections, out)
         check_complete(sections)
     typer.echo(f"sections: {summary_of_sections(sections)}")
+    _ask(estimate_of(sections), read.source, yes=yes)
     with _progress("beads") as advance:
         made = fill_layers(sections, progress=advance)
     warn(made.notices[len(sections.notices) :])
@@ -288,6 +293,18 @@ def _choice(option: str, value: str | None, name: str) -> Any:
     from brep_slicer import process
 
     return process.choice(option, value, getattr(process, name))
+
+
+def _ask(estimate: Any, source: str, *, yes: bool) -> None:
+    """Say how much there will be; ask on a terminal, and refuse in a pipe, where that is more than is waited for unasked."""
+    from brep_slicer.planning.estimate import check_size
+
+    typer.echo(f"estimate: {estimate}")
+    if yes or not estimate.is_large:
+        return
+    if not (sys.stdin.isatty() and sys.stderr.isatty()):
+        check_size(estimate, source)
+    typer.confirm("That is much. Plan it all the same?", abort=True, err=True)
 
 
 class _progress:

@@ -17,11 +17,13 @@ from .planned import PlanSections
 
 # Points that a travel to a bead takes: up, over and down again.
 TRAVEL_POINTS = 4
-# Microseconds a point: to fill (12 to 62 measured on gears, a cam and a propeller, 2 cores), and to write with its pictures.
-FILL_US, WRITE_US = 30.0, 30.0
+# Microseconds a point: to fill (12 to 62 measured on gears, a cam and a propeller, 2 cores), and to write with its pictures (29
+# for 64,000 points, 130 for 580,000).
+FILL_US, WRITE_US = 30.0, 100.0
 # Pictures of however small a plan, s; what the libraries and a part of moderate size hold, MB.
 LEAST_S, LEAST_MB = 4.0, 450.0
-# Bytes a point in toolpath.csv and toolpath.json together (300 to 430 measured), and in memory at most while they are written.
+# Bytes a point in toolpath.csv and toolpath.json together (300 to 430 measured), and in memory at most while they
+# are written (1030 measured at 580,000 points).
 FILE_BYTES, MEMORY_BYTES = 400.0, 1000.0
 # A person is asked before more than this: half an hour of computing, or the memory of a small machine.
 MOST_SECONDS, MOST_MEMORY_MB = 1800.0, 2000.0

@@ -32,10 +32,9 @@ def main(path: Path) -> None:
     pattern: bs.InnerPattern = plan.process.pattern
     angles: tuple[float, ...] = plan.process.hatch_angles_deg
     for layer in plan.layers:
-        if isinstance(layer, bs.Layer):
-            area: float = layer.area
-            certificate: bs.Certificate = layer.certificate
-            print(layer.radius, area, certificate.engine.value, layer.region.pieces[0].area())
+        area: float = layer.area
+        certificate: bs.Certificate = layer.certificate
+        print(layer.radius, area, certificate.engine.value, layer.region.pieces[0].area())
     print(bs.__version__, pattern.value, angles, plan.toolpath.points.shape, sorted(plan.report()))
     axis: bs.Axis = bs.find_axis(plan.part)
     sections = bs.slice_part(plan.part, [160.0, 170.0], axis=axis, engine="analytic")

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from brep_slicer.fill import Bead
+from brep_slicer.maps import Array
 from brep_slicer.region import Region
 
 from .chart import Track, drawn
@@ -44,32 +45,38 @@ def coverage_of(region: Region, beads: Sequence[Bead], width: float) -> Coverage
         return Coverage(area=0.0, bare=0.0, once=0.0, more=0.0, outside=0.0)
     if not tracks:
         return Coverage(area=shape.area, bare=shape.area, once=0.0, more=0.0, outside=0.0)
-    strips = [_strip(track, width) for track in tracks]
+    strips = _strips(tracks, width)
     # bare is what no bead covers, its corners round; more is what strips cover twice, cut flat where a bead goes on
-    once = shapely.union_all([*strips, *(_corners(track, width) for track in tracks)])
-    pairs = zip(*shapely.STRtree(strips).query(strips, predicate="intersects"), strict=True)
-    twice = [strips[i].intersection(strips[j]) for i, j in pairs if i < j and not _joined(tracks[i], tracks[j])]
+    once = shapely.union_all(np.concatenate([strips, _corners(tracks, width)]))
+    first, second = shapely.STRtree(strips).query(strips, predicate="intersects")
+    pairs = np.array([(i, j) for i, j in zip(first, second, strict=True) if i < j and not _joined(tracks[i], tracks[j])])
+    first, second = pairs.reshape(-1, 2).astype(int).T
+    twice = shapely.intersection(strips[first], strips[second])
     bare, more = shape.difference(once).area, shape.intersection(shapely.union_all(twice)).area
     # a full band is drawn over one turn and is open at its cut sides
     outside = _beyond(once, shape) if any(p.winds for p in region.pieces) else once.difference(shape).area
     return Coverage(area=shape.area, bare=bare, once=shape.area - bare - more, more=more, outside=outside)
 
 
-def _strip(track: Track, width: float):
-    """What a track covers: round at the bead's own ends, flat where the bead goes on."""
+def _strips(tracks: list[Track], width: float) -> Array:
+    """What each track covers: round at the bead's own ends, flat where the bead goes on."""
     import shapely
 
-    line = shapely.LineString(track.points)
-    flat = line.buffer(0.5 * width, quad_segs=QUARTER, cap_style="flat")
-    own = [shapely.Point(track.points[k]) for k, mine in zip((0, -1), track.ends, strict=True) if mine]
-    return shapely.union_all([flat, *(point.buffer(0.5 * width, quad_segs=QUARTER) for point in own)])
+    lines = np.array([shapely.LineString(track.points) for track in tracks])
+    flat = shapely.buffer(lines, 0.5 * width, quad_segs=QUARTER, cap_style="flat")
+    for k in (0, -1):
+        own = np.flatnonzero([track.ends[k] for track in tracks])
+        tips = shapely.points(np.array([tracks[i].points[k] for i in own]).reshape(-1, 2))
+        flat[own] = shapely.union(flat[own], shapely.buffer(tips, 0.5 * width, quad_segs=QUARTER))
+    return flat
 
 
-def _corners(track: Track, width: float):
-    """The discs at both ends of a track: where a bead turns, it covers the outside of the corner."""
+def _corners(tracks: list[Track], width: float) -> Array:
+    """The discs at both ends of every track: where a bead turns, it covers the outside of the corner."""
     import shapely
 
-    return shapely.MultiPoint(track.points[[0, -1]]).buffer(0.5 * width, quad_segs=QUARTER)
+    ends = shapely.multipoints([shapely.points(track.points[[0, -1]]) for track in tracks])
+    return shapely.buffer(ends, 0.5 * width, quad_segs=QUARTER)
 
 
 def _joined(first: Track, second: Track) -> bool:

@@ -11,8 +11,7 @@ corners, and it does not matter into which segments its line is cut. Only at its
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,11 +21,14 @@ from brep_slicer.maps import Array
 from brep_slicer.region import Region
 
 from .chart import Track, drawn
+from .grid import Tile, cells_inside, cells_of_boxes, edges_of_polygons, tiles_of
 
 # Grid cells a bead width.
 CELLS_PER_WIDTH = 24
 # Heights are averaged over a square of this many step-overs: the ripple from bead to bead is no unevenness of the layer.
 WINDOW = 2.0
+# Cells a side of what is worked out at once, and cells of beads: what bounds the memory, not what comes out.
+TILE, AT_ONCE = 768, 1_000_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -50,74 +52,180 @@ class Deposit:
         return float((np.abs(self.even[known] / thickness - 1.0) <= tolerance).mean()) if known.any() else 0.0
 
 
-def deposit_of(region: Region, beads: Sequence[Bead], *, width: float, thickness: float, step_over: float) -> Deposit:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Evenness:
+    """`mean` (mm) of a layer's heights, their `variation` (standard deviation over mean), and the share of the region whose
+    averaged height is `within` a tolerance of the layer's thickness."""
+
+    mean: float
+    variation: float
+    within: float
+
+
+def deposit_of(
+    region: Region,
+    beads: Sequence[Bead],
+    *,
+    width: float,
+    thickness: float,
+    step_over: float,
+    window: tuple[float, float, float, float] | None = None,
+    cell: float | None = None,
+) -> Deposit:
     """Superpose the cross-sections of all beads of a layer.
 
     Parameters
     ----------
     width, thickness, step_over : float
         w, t and d in mm; where a bead's speed varies, its metal varies with the inverse of it.
+    window : (left, low, right, top), optional
+        Only what of the region lies in this box (mm).
+    cell : float, optional
+        Size of a cell, mm; by default a 24th of the width.
     """
     import shapely
 
     shape, tracks = drawn(region, beads, reach=width)
-    cell = width / CELLS_PER_WIDTH
+    if window is not None:
+        shape = shapely.intersection(shape, shapely.box(*window))
+    cell = cell or width / CELLS_PER_WIDTH
     k0, v0, k1, v1 = shape.bounds if not shape.is_empty else (0.0, 0.0, 0.0, 0.0)
-    kappa = k0 + (np.arange(max(1, int(np.ceil((k1 - k0) / cell)))) + 0.5) * cell
-    v = v0 + (np.arange(max(1, int(np.ceil((v1 - v0) / cell)))) + 0.5) * cell
-    heights = np.zeros((len(v), len(kappa)))
-    top = 1.5 * thickness * step_over / width
-    for track in tracks:
-        _add(heights, kappa, v, track, width, top)
-    inside = shapely.contains_xy(shape, *np.meshgrid(kappa, v)) if not shape.is_empty else np.zeros(heights.shape, dtype=bool)
-    even = np.where(inside, _averaged(heights, inside, WINDOW * step_over / cell), np.nan)
+    rows, columns = (max(1, int(np.ceil(extent / cell))) for extent in (v1 - v0, k1 - k0))
+    tile = Tile(cell=cell, origin=(k0, v0), row=0, column=0, shape=(rows, columns))
+    laid = _Laid(tracks, width, 1.5 * thickness * step_over / width)
+    heights, inside = laid.heights(tile), cells_inside(edges_of_polygons(shape), tile)
+    chosen = np.flatnonzero(inside)
+    even = np.full(heights.shape, np.nan)
+    even.ravel()[chosen] = _averaged(heights, inside, _window(step_over, cell), chosen)
     heights = np.where(inside, heights, np.nan)
     mean = float(np.nanmean(heights)) if inside.any() else 0.0
     variation = float(np.nanstd(heights)) / mean if mean else 0.0
-    return Deposit(kappa=kappa, v=v, heights=heights, even=even, mean=mean, variation=variation)
+    return Deposit(kappa=tile.kappa, v=tile.v, heights=heights, even=even, mean=mean, variation=variation)
 
 
-def _add(heights: Array, kappa: Array, v: Array, track: Track, width: float, top: float) -> None:
-    """One track: the drop's heights integrated along each segment, in closed form, and the bead's own ends made round."""
-    half, new = 0.5 * width, np.append(True, np.hypot(*np.diff(track.points, axis=0).T) > 0.0)
-    points, amount = track.points[new], 1.0 / track.speed[new]
-    if len(points) < 2:
-        return
-    for i, (a, b) in enumerate(itertools.pairwise(points)):
-        r, c, along, across = _near(kappa, v, a, b, half)
-        length = float(np.hypot(*(b - a)))
-        slope = float(amount[i + 1] - amount[i]) / length
-        heights[r, c] += top * _laid(along, across, (0.0, length), half, (float(amount[i]), slope))
-    for mine, tip, before, metal in zip(track.ends, points[[0, -1]], points[[1, -2]], amount[[0, -1]], strict=True):
-        if mine:
-            outwards = half / np.hypot(*(tip - before)) * (tip - before)
-            r, c, along, across = _near(kappa, v, tip, tip + outwards, half)
-            straight = _laid(along, across, (-width, 0.0), half, (1.0, 0.0))
-            round_end = np.maximum(0.0, 1.0 - (across**2 + np.maximum(along, 0.0) ** 2) / half**2)
-            # behind the end the bead goes on; farther back than its drop reaches there is nothing to add
-            heights[r, c] += float(metal) * top * np.where(along > -half, round_end - straight, 0.0)
+def evenness_of(
+    region: Region, beads: Sequence[Bead], *, width: float, thickness: float, step_over: float, tolerance: float
+) -> Evenness:
+    """What `deposit_of` says of a layer as figures, worked out tile by tile: no more of the plane than holds metal.
 
-
-def _near(kappa: Array, v: Array, a: Array, b: Array, half: float) -> tuple[slice, slice, Array, Array]:
-    """The rows and columns within `half` of a segment's box, and where their cells lie along and across it, seen from `a`."""
-    r = slice(*np.searchsorted(v, [min(a[1], b[1]) - half, max(a[1], b[1]) + half]))
-    c = slice(*np.searchsorted(kappa, [min(a[0], b[0]) - half, max(a[0], b[0]) + half]))
-    x, y = kappa[c][None, :] - a[0], v[r][:, None] - a[1]
-    ahead, beside = (b - a) / np.hypot(*(b - a))
-    return r, c, x * ahead + y * beside, y * ahead - x * beside
-
-
-def _laid(along: Array, across: Array, span: tuple[float, float], half: float, amount: tuple[float, float]) -> Array:
-    """Heights over h0 that the drop 2 / pi sqrt(half**2 - r**2) / half**2 leaves on its way from span[0] to span[1].
-
-    `amount` is the metal per length at 0, and how it changes along the way.
+    `tolerance` is a share of `thickness`.
     """
-    reach = np.sqrt(np.maximum(half**2 - across**2, 1e-300))
-    start, end = np.clip(span[0] - along, -reach, reach), np.clip(span[1] - along, -reach, reach)
-    out = (amount[0] + amount[1] * along) * (_area(end, reach) - _area(start, reach))
-    if amount[1]:
-        out += amount[1] * (_moment(end, reach) - _moment(start, reach))
-    return 2.0 / (np.pi * half**2) * out
+    shape, tracks = drawn(region, beads, reach=width)
+    laid, edges = _Laid(tracks, width, 1.5 * thickness * step_over / width), edges_of_polygons(shape)
+    cell = width / CELLS_PER_WIDTH
+    size = _window(step_over, cell)
+    count, total, square, good = 0, 0.0, 0.0, 0
+    for tile in tiles_of(shape, cell, TILE):
+        wide = tile.with_halo(size)
+        inside = cells_inside(edges, wide)
+        own = np.zeros_like(inside)
+        own[size:-size, size:-size] = inside[size:-size, size:-size]
+        chosen = np.flatnonzero(own)
+        heights = laid.heights(wide)
+        # about t, so that the squares do not drown what they differ by
+        off = heights.ravel()[chosen] - thickness
+        count += len(off)
+        total += float(off.sum())
+        square += float(off @ off)
+        even = _averaged(heights, inside, size, chosen)
+        good += int((np.abs(even / thickness - 1.0) <= tolerance).sum())
+    if not count:
+        return Evenness(mean=0.0, variation=0.0, within=0.0)
+    mean = thickness + total / count
+    deviation = np.sqrt(max(square / count - (total / count) ** 2, 0.0))
+    return Evenness(mean=mean, variation=float(deviation) / mean if mean else 0.0, within=good / count)
+
+
+def _window(step_over: float, cell: float) -> int:
+    """Cells a side of the square that heights are averaged over."""
+    return max(1, round(WINDOW * step_over / cell))
+
+
+class _Laid:
+    """The metal of all tracks, segment by segment: the drop's heights integrated along each, and the beads' own ends round.
+
+    Segments run from `a` along the unit vector `way` for `length`; `amount` (n, 2) is the metal per length at their start, and
+    how it changes along them. Ends lie at `tip`, and `out` is where the bead would go on.
+    """
+
+    def __init__(self, tracks: Sequence[Track], width: float, top: float) -> None:
+        self.half, self.top = 0.5 * width, top
+        a, b, start, end = [np.zeros((0, 2))], [np.zeros((0, 2))], [np.zeros(0)], [np.zeros(0)]
+        tips: list[tuple[Array, Array, float]] = []
+        for track in tracks:
+            new = np.append(True, np.hypot(*np.diff(track.points, axis=0).T) > 0.0)
+            points, amount = track.points[new], 1.0 / track.speed[new]
+            if len(points) < 2:
+                continue
+            a.append(points[:-1])
+            b.append(points[1:])
+            start.append(amount[:-1])
+            end.append(amount[1:])
+            ends = zip(track.ends, points[[0, -1]], points[[1, -2]], amount[[0, -1]].tolist(), strict=True)
+            tips += [(tip, tip - before, metal) for mine, tip, before, metal in ends if mine]
+        self.a, along = np.concatenate(a), np.concatenate(b) - np.concatenate(a)
+        self.length = np.hypot(*along.T)
+        self.way = along / self.length[:, None]
+        first = np.concatenate(start)
+        self.amount = np.stack([first, (np.concatenate(end) - first) / self.length], axis=1)
+        self.tip = np.array([tip for tip, _, _ in tips]).reshape(-1, 2)
+        out = np.array([out for _, out, _ in tips]).reshape(-1, 2)
+        self.out = out / np.hypot(*out.T)[:, None]
+        self.metal = np.array([metal for _, _, metal in tips])
+
+    def heights(self, tile: Tile) -> Array:
+        """Heights (mm) in the middles of a tile's cells."""
+        out = np.zeros(tile.shape[0] * tile.shape[1])
+        for of, cell, along, across in self._near(self.a, self.way, self.length, tile):
+            np.add.at(out, cell, self.top * self._of_segments(of, along, across))
+        for of, cell, along, across in self._near(self.tip, self.out, np.zeros(len(self.tip)), tile):
+            np.add.at(out, cell, self.top * self._of_ends(of, along, across))
+        return out.reshape(tile.shape)
+
+    def _near(self, start: Array, way: Array, length: Array, tile: Tile) -> Iterator[tuple[Array, Array, Array, Array]]:
+        """(number, cell, along, across) of the cells that a drop reaches from each way, where they lie seen from its start."""
+        left, low, right, top = tile.box
+        end = start + length[:, None] * way
+        near = np.flatnonzero(
+            (np.maximum(start, end) > np.array([left, low]) - self.half).all(axis=1)
+            & (np.minimum(start, end) < np.array([right, top]) + self.half).all(axis=1)
+        )
+        ahead, beside = self.half * way, self.half * np.stack([-way[:, 1], way[:, 0]], axis=1)
+        corners = np.stack([start - ahead - beside, end + ahead - beside, end + ahead + beside, start - ahead + beside], axis=1)
+        size = (length[near] / tile.cell + CELLS_PER_WIDTH) * CELLS_PER_WIDTH
+        kappa, v = tile.kappa, tile.v
+        for part in np.split(near, np.flatnonzero(np.diff((np.cumsum(size) // AT_ONCE).astype(int))) + 1):
+            of, cell = cells_of_boxes(corners[part], tile)
+            of = part[of]
+            row, column = np.divmod(cell, tile.shape[1])
+            x, y = kappa[column] - start[of, 0], v[row] - start[of, 1]
+            ahead_x, ahead_y = way[of].T
+            yield of, cell, x * ahead_x + y * ahead_y, y * ahead_x - x * ahead_y
+
+    def _of_segments(self, of: Array, along: Array, across: Array) -> Array:
+        amount, slope = self.amount[of].T
+        square = np.maximum(self.half**2 - across**2, 1e-300)
+        # the drop passes over the whole cell, but for the ends of its way
+        out = (amount + slope * along) * (0.5 * np.pi) * square
+        length = self.length[of]
+        some = np.flatnonzero((along < self.half) | (along > length - self.half))
+        reach = np.sqrt(square[some])
+        begin, end = np.clip(-along[some], -reach, reach), np.clip(length[some] - along[some], -reach, reach)
+        out[some] = (amount + slope * along)[some] * (_area(end, reach) - _area(begin, reach))
+        changing = some[slope[some] != 0.0]
+        if len(changing):
+            pick = slope[some] != 0.0
+            out[changing] += slope[changing] * (_moment(end[pick], reach[pick]) - _moment(begin[pick], reach[pick]))
+        return 2.0 / (np.pi * self.half**2) * out
+
+    def _of_ends(self, of: Array, along: Array, across: Array) -> Array:
+        """What makes an end round and as high as elsewhere, less what the drop has laid there when it stops."""
+        reach = np.sqrt(np.maximum(self.half**2 - across**2, 1e-300))
+        begin, end = np.clip(-2.0 * self.half - along, -reach, reach), np.clip(-along, -reach, reach)
+        straight = 2.0 / (np.pi * self.half**2) * (_area(end, reach) - _area(begin, reach))
+        round_end = np.maximum(0.0, 1.0 - (across**2 + np.maximum(along, 0.0) ** 2) / self.half**2)
+        # behind the end the bead goes on; farther back than its drop reaches there is nothing to add
+        return self.metal[of] * np.where(along > -self.half, round_end - straight, 0.0)
 
 
 def _area(u: Array, reach: Array) -> Array:
@@ -130,10 +238,25 @@ def _moment(u: Array, reach: Array) -> Array:
     return -(np.maximum(reach**2 - u**2, 0.0) ** 1.5) / 3.0
 
 
-def _averaged(heights: Array, inside: Array, cells: float) -> Array:
-    """Mean over a square of `cells` a side, of the region's cells only."""
-    from scipy.ndimage import uniform_filter
+def _averaged(heights: Array, inside: Array, size: int, chosen: Array) -> Array:
+    """Means over squares of `size` cells a side round the `chosen` cells (n,), of the region's cells only.
 
-    size = max(1, round(cells))
-    weight = uniform_filter(inside.astype(float), size, mode="constant")
-    return uniform_filter(np.where(inside, heights, 0.0), size, mode="constant") / np.maximum(weight, 1e-12)
+    A square of an even size has one cell more before its middle than behind it. Where it reaches beyond the arrays there is no
+    metal.
+    """
+    row, column = np.divmod(chosen, heights.shape[1])
+    reach = [
+        (np.maximum(at - size // 2, 0), np.minimum(at + size - size // 2, end))
+        for at, end in zip((row, column), heights.shape, strict=True)
+    ]
+    (low, high), (left, right) = reach
+    wide = heights.shape[1] + 1
+    corners = high * wide + right, low * wide + right, high * wide + left, low * wide + left
+    sums = []
+    for values in (np.where(inside, heights, 0.0), inside.astype(np.int64)):
+        total = np.zeros((heights.shape[0] + 1, wide), dtype=values.dtype)
+        np.cumsum(values, axis=0, out=total[1:, 1:])
+        np.cumsum(total[1:, 1:], axis=1, out=total[1:, 1:])
+        a, b, c, d = (total.ravel()[corner] for corner in corners)
+        sums.append(a - b - c + d)
+    return sums[0] / sums[1]

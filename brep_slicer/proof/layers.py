@@ -20,7 +20,7 @@ from brep_slicer.toolpath import Toolpath
 from brep_slicer.wording import counted
 
 from .coverage import coverage_of
-from .deposit import deposit_of
+from .deposit import evenness_of
 from .step_over import step_over_of
 
 # Bins of the histogram of spacings.
@@ -32,6 +32,8 @@ AS_PLANNED = 1e-3
 EVEN_BARE, EVEN_HEIGHT, EVEN_SPACED = 0.02, 0.02, 0.99
 # Beads of a fill and of the toolpath made of it are equally long to this share, whatever was rounded on the way.
 SAME_LENGTH = 1e-6
+# Averaged heights within this share of t are even.
+EVEN = 0.02
 
 
 def proof_of_layers(
@@ -167,10 +169,9 @@ def _span(values: Sequence[float], form: str) -> str:
 def _row(layer: Layer, fill: LayerFill, toolpath: Toolpath, axis: Axis, width: float, step_over: float) -> dict[str, Any]:
     thickness = layer.thickness or 1.0
     coverage = coverage_of(layer.region, fill.beads, width)
-    deposit = deposit_of(layer.region, fill.beads, width=width, thickness=thickness, step_over=step_over)
-    measured = step_over_of(toolpath, axis, layer.index)
-    beside = measured.spacings < 2.0 * step_over
-    near = measured.spacings[beside]
+    deposit = evenness_of(layer.region, fill.beads, width=width, thickness=thickness, step_over=step_over, tolerance=EVEN)
+    measured = step_over_of(toolpath, axis, layer.index, within=2.0 * step_over)
+    near = measured.spacings
     planned = np.unique(np.round([step_over, *fill.step_over], 9))
     off = np.abs(near[:, None] - planned).min(axis=1) > AS_PLANNED
     others = near[off]
@@ -182,7 +183,7 @@ def _row(layer: Layer, fill: LayerFill, toolpath: Toolpath, axis: Axis, width: f
         "outside_mm2": coverage.outside,
         "mean_height_over_t": deposit.mean / thickness,
         "height_variation": deposit.variation,
-        "height_within_2_percent": deposit.share_within(thickness, 0.02),
+        "height_within_2_percent": deposit.within,
         "step_over_measured_mm": {
             "spacings": len(near),
             "lowest": float(near.min()) if len(near) else None,
@@ -191,9 +192,7 @@ def _row(layer: Layer, fill: LayerFill, toolpath: Toolpath, axis: Axis, width: f
             "as_planned": int((~off).sum()),
             "others_lowest": float(others.min()) if len(others) else None,
             "others_highest": float(others.max()) if len(others) else None,
-            "by_neighbours": _spacings_by_neighbours(
-                measured.between[beside], near, off, _kinds_of_beads(layer.index, fill, toolpath)
-            ),
+            "by_neighbours": _spacings_by_neighbours(measured.between, near, off, _kinds_of_beads(layer.index, fill, toolpath)),
             "histogram": {"edges_mm": edges.tolist(), "counts": counts.tolist()},
         },
     }

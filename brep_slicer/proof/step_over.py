@@ -19,6 +19,8 @@ from brep_slicer.toolpath import Toolpath
 
 # Along a bead, distances are measured this often (shares of it).
 SAMPLES = np.linspace(0.1, 0.9, 9)
+# Pairs of places and segments that are worked on at once, and places that a tree is asked for: what bounds the memory.
+AT_ONCE, PLACES_AT_ONCE = 1_000_000, 20_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -42,27 +44,45 @@ class StepOver:
         return float(self.spacings.max()) if len(self.spacings) else float("nan")
 
 
-def step_over_of(toolpath: Toolpath, axis: Axis, layer: int) -> StepOver:
-    """Measure one layer: from each bead to the nearest other one, or to its own neighbouring turn."""
+def step_over_of(toolpath: Toolpath, axis: Axis, layer: int, *, within: float | None = None) -> StepOver:
+    """Measure one layer: from each bead to the nearest other one, or to its own neighbouring turn.
+
+    `within` (mm) leaves out what is farther apart, and is quicker for it.
+    """
     mine = (toolpath.layer == layer) & (toolpath.deposits | np.roll(toolpath.deposits & (toolpath.layer == layer), -1))
     points, of = axis.axis_from_file(toolpath.points[mine]), toolpath.bead[mine]
+    cuts = np.flatnonzero(np.diff(of)) + 1
     # a single point is no bead
-    numbers = [number for number in np.unique(of) if np.count_nonzero(of == number) > 1]
-    beads = [_unrolled(points[of == number]) for number in numbers]
+    runs = [(int(run[0]), part) for run, part in zip(np.split(of, cuts), np.split(points, cuts), strict=True) if len(run) > 1]
+    beads = [_unrolled(part) for _, part in runs]
     if not beads:
         return StepOver(spacings=np.zeros(0), between=np.zeros((0, 2), dtype=np.int64))
     period = TURN * beads[0][1]
-    starts, ends, owner = [], [], []
-    for number, (points, _) in zip(numbers, beads, strict=True):
-        for turn in range(-_turns(points, period), _turns(points, period) + 1):
-            copy = points + np.array([turn * period, 0.0])
-            starts.append(copy[:-1])
-            ends.append(copy[1:])
-            owner.append(np.full(len(copy) - 1, number))
-    a, b, of = np.concatenate(starts), np.concatenate(ends), np.concatenate(owner)
-    found = [_nearest(points, number, a, b, of) for number, (points, _) in zip(numbers, beads, strict=True)]
-    between = [np.stack([np.full(len(near), n), near], axis=1) for n, (_, near) in zip(numbers, found, strict=True)]
-    return StepOver(spacings=np.concatenate([gaps for gaps, _ in found]), between=np.concatenate(between).astype(np.int64))
+    numbers = np.array([number for number, _ in runs])
+    places = np.concatenate([_places_along(points) for points, _ in beads])
+    number = np.repeat(numbers, len(SAMPLES))
+    reach = np.inf if within is None else within
+    a, b, owner = _copies([points for points, _ in beads], period, places, reach)
+    gaps, nearest = _gaps(places, number, a, b, numbers[owner], within)
+    met = np.isfinite(gaps) & (gaps < reach)
+    return StepOver(spacings=gaps[met], between=np.stack([number, nearest], axis=1)[met].astype(np.int64))
+
+
+def _copies(beads: list[Array], period: float, places: Array, reach: float) -> tuple[Array, Array, Array]:
+    """From, to (n, 2) and bead (n,) of every segment and its copies whole turns away that come near any of the places."""
+    a = np.concatenate([points[:-1] for points in beads])
+    b = np.concatenate([points[1:] for points in beads])
+    of = np.repeat(np.arange(len(beads)), [len(points) - 1 for points in beads])
+    most = max(_turns(points, period) for points in beads)
+    own = np.array([_turns(points, period) for points in beads])[of]
+    low, high = places[:, 0].min() - reach, places[:, 0].max() + reach
+    parts = []
+    for turn in range(-most, most + 1):
+        move = np.array([turn * period, 0.0])
+        near = (np.maximum(a, b)[:, 0] + move[0] >= low) & (np.minimum(a, b)[:, 0] + move[0] <= high) & (abs(turn) <= own)
+        parts.append((a[near] + move, b[near] + move, of[near]))
+    starts, ends, owners = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+    return starts, ends, owners
 
 
 def _turns(points: Array, period: float) -> int:
@@ -75,20 +95,35 @@ def _unrolled(points: Array) -> tuple[Array, float]:
     return np.stack([radius * theta, points[:, 2]], axis=1), radius
 
 
-def _nearest(points: Array, number: int, a: Array, b: Array, of: Array) -> tuple[Array, Array]:
-    """Distances from places along one bead to the nearest segment of another that a perpendicular meets, and whose it is."""
+def _places_along(points: Array) -> Array:
     along = lengths_along(points)
     at = SAMPLES * along[-1]
-    places = np.stack([np.interp(at, along, points[:, k]) for k in (0, 1)], axis=1)
-    d = b - a
-    size = np.maximum(np.einsum("ij,ij->i", d, d), 1e-300)
-    share = np.einsum("nkj,kj->nk", places[:, None] - a[None], d) / size
-    foot = a[None] + np.clip(share, 0.0, 1.0)[..., None] * d[None]
-    gap = np.hypot(*np.moveaxis(places[:, None] - foot, -1, 0))
-    # a foot at a bead's end is no perpendicular; joints between a bead's own segments are none either
-    square = (share >= -1e-9) & (share <= 1.0 + 1e-9)
-    gap = np.where(square & ((of != number)[None] | (gap > 1e-3)), gap, np.inf)
-    at_best = gap.argmin(axis=1)
-    best = gap[np.arange(len(gap)), at_best]
-    met = np.isfinite(best)
-    return best[met], of[at_best[met]]
+    return np.stack([np.interp(at, along, points[:, k]) for k in (0, 1)], axis=1)
+
+
+def _gaps(places: Array, number: Array, a: Array, b: Array, owner: Array, within: float | None) -> tuple[Array, Array]:
+    """Distance (n,) from each place to the nearest segment of another bead that a perpendicular meets (else inf), and whose."""
+    import shapely
+
+    best, whose = np.full(len(places), np.inf), np.full(len(places), np.iinfo(np.int64).max)
+    tree = None if within is None else shapely.STRtree(shapely.linestrings(np.stack([a, b], axis=1)))
+    step = max(1, AT_ONCE // max(1, len(a))) if tree is None else PLACES_AT_ONCE
+    for first in range(0, len(places), step):
+        part = np.arange(first, min(first + step, len(places)))
+        if tree is None:
+            which, segment = np.repeat(part, len(a)), np.tile(np.arange(len(a)), len(part))
+        else:
+            # the tree's word on a distance is rounded
+            which, segment = tree.query(shapely.points(places[part]), predicate="dwithin", distance=1.000001 * (within or 0.0))
+            which = part[which]
+        d, off = (b - a)[segment], places[which] - a[segment]
+        share = np.einsum("ij,ij->i", off, d) / np.maximum(np.einsum("ij,ij->i", d, d), 1e-300)
+        gap = np.hypot(*(off - np.clip(share, 0.0, 1.0)[:, None] * d).T)
+        # a foot at a bead's end is no perpendicular; joints between a bead's own segments are none either
+        square = (share >= -1e-9) & (share <= 1.0 + 1e-9) & ((owner[segment] != number[which]) | (gap > 1e-3))
+        which, gap, of = which[square], gap[square], owner[segment[square]]
+        np.minimum.at(best, which, gap)
+        # of beads as near as each other the first
+        nearest = gap == best[which]
+        np.minimum.at(whose, which[nearest], of[nearest])
+    return best, whose

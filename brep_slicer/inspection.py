@@ -24,7 +24,7 @@ from brep_slicer.wording import counted, shortened
 OVERHANG = 0.0175
 SAMPLES = 9
 # Panels of the surface integral that measures a volume; the two results tell its error.
-VOLUME_PANELS = (3, 5)
+VOLUME_PANELS = (2, 3)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from brep_slicer.geometry import Edge
 from brep_slicer.geometry.edge_curves import BSplinePack, EdgeCurve, LineEdge
+from brep_slicer.geometry.roots import bracketed_roots
 from brep_slicer.maps import Array
 
 from .radial import COINCIDENCE_BAND, radii_of
@@ -28,8 +29,8 @@ END_SHARE = 1e-9
 CORNER_SHARE = 1e-7
 # Points a piece at which rho is compared to tell whether the edge is level.
 LEVEL_POINTS = 9
-# Halvings of a piece in doubt, the most pieces in doubt that a curve may have, and steps to a root that is bracketed.
-HALVINGS, MOST_PIECES, ROOT_STEPS = 12, 4096, 60
+# Halvings of a piece in doubt, and the most pieces in doubt that a curve may have.
+HALVINGS, MOST_PIECES = 12, 4096
 
 Whose = NDArray[np.int64]
 # [P] or [P, P'] of the curves with the numbers `whose` (n,) at t (n,), to the order asked for
@@ -113,7 +114,7 @@ def _are_level(evaluate: Evaluate, whose: Whose, a: Array, b: Array, count: int)
 
 def _roots_of_slope(evaluate: Evaluate, whose: Whose, a: Array, b: Array) -> tuple[Whose, Array]:
     """Sign changes of the slope in the pieces [a, b] (n,), by Chebyshev series; bisected where in doubt: whose, and where."""
-    owners, roots = [np.zeros(0, dtype=np.int64)], [np.zeros(0)]
+    found = [(np.zeros(0, dtype=np.int64), np.zeros(0))]
     angles = np.pi * (np.arange(NODES) + 0.5) / NODES
     nodes = np.cos(angles)
     # values at the Chebyshev nodes to the coefficients of the series through them
@@ -130,52 +131,22 @@ def _roots_of_slope(evaluate: Evaluate, whose: Whose, a: Array, b: Array) -> tup
         doubtful = rest >= np.abs(coefficients[:, 0])
         monotone = np.abs(coefficients[:, 1]) > sum(k * k * np.abs(coefficients[:, k]) for k in range(2, NODES))
         single = doubtful & monotone
-        for owner, root in _single_roots(evaluate, whose[single], a[single], b[single]):
-            owners.append(owner)
-            roots.append(root)
+        if single.any():
+            found.append(_single_roots(evaluate, whose[single], a[single], b[single]))
         halved = doubtful & ~monotone
         middle = 0.5 * (a + b)[halved]
         a, b = np.concatenate([a[halved], middle]), np.concatenate([middle, b[halved]])
         whose = np.concatenate([whose[halved], whose[halved]])
     # what is still in doubt is level to rounding there, or has a double root: no sign change that could be missed for long
-    for owner, root in _single_roots(evaluate, whose, a, b, strictly=True):
-        owners.append(owner)
-        roots.append(root)
+    if len(a):
+        found.append(_single_roots(evaluate, whose, a, b, strictly=True))
+    owners, roots = zip(*found, strict=True)
     return np.concatenate(owners), np.concatenate(roots)
 
 
-def _single_roots(evaluate: Evaluate, whose: Whose, a: Array, b: Array, *, strictly: bool = False):
-    """(whose, where) the slope changes sign, in every piece whose ends differ in sign: to rounding.
-
-    The Illinois rule of false position, and a bisection wherever that has not halved the bracket in three steps.
-    """
-    if not len(a):
-        return
+def _single_roots(evaluate: Evaluate, whose: Whose, a: Array, b: Array, *, strictly: bool = False) -> tuple[Whose, Array]:
+    """(whose, where) the slope changes sign, in every piece whose ends differ in sign: to rounding."""
     fa, fb = _slope(evaluate, whose, a), _slope(evaluate, whose, b)
     some = fa * fb < 0.0 if strictly else fa * fb <= 0.0
-    whose, a, b, fa, fb = (x[some] for x in (whose, a, b, fa, fb))
-    least = 2.0 * np.spacing(np.maximum(np.abs(a), np.abs(b)))
-    width, kept = np.abs(b - a), np.zeros(len(a), dtype=int)
-    root = np.where(np.abs(fa) < np.abs(fb), a, b)
-    closed = (fa == 0.0) | (fb == 0.0)
-    for step in range(ROOT_STEPS):
-        if closed.all():
-            break
-        with np.errstate(divide="ignore", invalid="ignore"):
-            t = b - fb * (b - a) / (fb - fa)
-        if step % 3 == 2:
-            t = np.where(np.abs(b - a) > 0.5 * width, 0.5 * (a + b), t)
-            width = np.abs(b - a)
-        t = np.where((t > np.minimum(a, b)) & (t < np.maximum(a, b)), t, 0.5 * (a + b))
-        ft = _slope(evaluate, whose, t)
-        root, before = np.where(closed, root, t), root
-        closed |= (ft == 0.0) | (np.abs(root - before) <= least)
-        left = (ft > 0.0) == (fa > 0.0)
-        # the end that stays twice over counts half: the next place falls beyond the root
-        fa, fb = (
-            np.where(left, ft, np.where(kept == 1, 0.5 * fa, fa)),
-            np.where(left, np.where(kept == -1, 0.5 * fb, fb), ft),
-        )
-        a, b = np.where(left, t, a), np.where(left, b, t)
-        kept = np.where(left, -1, 1)
-    yield whose, root
+    owner = whose[some]
+    return owner, bracketed_roots(lambda rows, t: _slope(evaluate, owner[rows], t), a[some], b[some], fa[some], fb[some])

@@ -8,6 +8,7 @@ solid's boundary that lies outside of R: A(R) = R * integral of (n . e_rho) / rh
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +16,7 @@ import numpy as np
 from brep_slicer.geometry import Brep
 from brep_slicer.maps import Array
 
-from .trimmed import PANELS, surface_cells, surface_nodes
+from .trimmed import PANELS, radial_bounds, surface_cells, surface_nodes
 
 
 def area_by_flux(brep: Brep, radius: float, *, panels: int = PANELS) -> float:
@@ -26,14 +27,20 @@ def area_by_flux(brep: Brep, radius: float, *, panels: int = PANELS) -> float:
 def area_and_turnover(brep: Brep, radius: float, *, panels: int = PANELS) -> tuple[float, float]:
     """The area, and what it is the difference of: the integral of the flux's size, which says what its error is a share of."""
     total = size = 0.0
-    for face in brep.faces:
-        p, n = surface_nodes(face, (radius,), panels=panels)
+    for p, n in _nodes_beyond(brep, radius, (radius,), panels):
         square = p[:, 0] ** 2 + p[:, 1] ** 2
         outside = square > radius**2
         flux = ((n[:, 0] * p[:, 0] + n[:, 1] * p[:, 1]) / np.where(square > 0.0, square, 1.0))[outside]
         total += float(flux.sum())
         size += float(np.abs(flux).sum())
     return radius * total, radius * size
+
+
+def _nodes_beyond(brep: Brep, radius: float, levels: tuple[float, ...], panels: int) -> Iterator[tuple[Array, Array]]:
+    """The nodes of all faces, block by block, but for faces that lie inside of a radius (mm) altogether."""
+    for face in brep.faces:
+        if radial_bounds(face)[1] > radius:
+            yield from surface_nodes(face, levels, panels=panels)
 
 
 def areas_by_flux(brep: Brep, radii: Array, *, level: Array | None = None, lines: int = 64, cells: int = 64) -> Array:
@@ -79,8 +86,7 @@ def volume_between(brep: Brep, inner: float, outer: float, *, panels: int = PANE
     The flux of g e_rho / rho with dg/d rho = rho between the radii and 0 elsewhere: its divergence is 1 there; of z times that.
     """
     volume = moment = 0.0
-    for face in brep.faces:
-        p, n = surface_nodes(face, (inner, outer), panels=panels)
+    for p, n in _nodes_beyond(brep, inner, (inner, outer), panels):
         square = p[:, 0] ** 2 + p[:, 1] ** 2
         g = 0.5 * (np.clip(square, inner**2, outer**2) - inner**2)
         flux = g * (n[:, 0] * p[:, 0] + n[:, 1] * p[:, 1]) / np.where(square > 0.0, square, 1.0)
@@ -110,8 +116,7 @@ def closure_of(brep: Brep, *, panels: int = PANELS) -> Closure:
     """The closure defect of a solid, and its volume and moment measured from its middle, from its own faces and pcurves."""
     vector, volumes, area, moment = np.zeros(3), np.zeros(3), 0.0, 0.0
     middle = 0.5 * (brep.vertices.min(axis=0) + brep.vertices.max(axis=0))
-    for face in brep.faces:
-        p, n = surface_nodes(face, panels=panels)
+    for p, n in _nodes_beyond(brep, -1.0, (), panels):
         p = p - middle
         vector += n.sum(axis=0)
         volumes += (p * n).sum(axis=0)

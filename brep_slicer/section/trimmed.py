@@ -9,11 +9,13 @@ Words: *line*, a line u = const in a face's parameters; *stretch*, a part of it 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 
 import numpy as np
 
 from brep_slicer.field import radii_of
-from brep_slicer.geometry import EdgeUse, Face
+from brep_slicer.geometry import EdgeUse, Face, SurfaceKind, patches_of
+from brep_slicer.geometry.roots import bracketed_roots
 from brep_slicer.maps import Array
 
 # Gauss nodes on a panel in u, panels between two kinks, and how finely pcurves are sampled for their crossings with the lines.
@@ -23,26 +25,55 @@ SEARCH = 96
 NODES_ALONG = 8
 # A stretch is no longer than this many times its smallest rho (or the first level), over the panels in u: 1 / rho peaks there.
 SLENDER, MAXIMUM_SPLITS = 12.0, 12
+# A face whose lines have more kinks than this needs fewer panels between two of them, two at least.
+KINKS, LEAST_PANELS = 8, 2
+# Points at a time (before stretches are halved): what bounds the memory.
+MOST_NODES = 1_000_000
 
 
-def surface_nodes(face: Face, levels: tuple[float, ...] = (), *, panels: int = PANELS) -> tuple[Array, Array]:
-    """(points (n, 3), n dS (n, 3)) over the whole face; the nodes keep to one side of each radius in `levels` (mm).
+def surface_nodes(face: Face, levels: tuple[float, ...] = (), *, panels: int = PANELS) -> Iterator[tuple[Array, Array]]:
+    """(points (n, 3), n dS (n, 3)) over the whole face, block by block; the nodes keep to one side of each radius in `levels`
+    (mm).
 
     Where no kink falls inside of a panel, sums over the nodes have twelve digits; elsewhere about six.
     """
+    low, high = radial_bounds(face)
+    levels = tuple(radius for radius in levels if low < radius < high)
     u, weights = _lines(face, levels, panels)
-    line, low, high = _inside(face, u)
-    for radius in levels:
-        line, low, high = _split(face, u, line, low, high, radius)
-    line, low, high = _at_breaks(face, line, low, high)
-    line, low, high = _stout(face, u, line, low, high, SLENDER / panels, min(levels, default=0.0))
-    if not len(line):
-        return np.zeros((0, 3)), np.zeros((0, 3))
+    stretches = _at_breaks(face, *_inside(face, u))
+    size = MOST_NODES // (SEARCH if levels else NODES_ALONG)
+    for first in range(0, len(stretches[0]), size):
+        line, low_v, high_v = (column[first : first + size] for column in stretches)
+        for radius in levels:
+            line, low_v, high_v = _split(face, u, line, low_v, high_v, radius)
+        line, low_v, high_v = _stout(face, u, line, low_v, high_v, SLENDER / panels, min(levels, default=0.0))
+        if len(line):
+            yield _nodes_on(face, u, weights, line, low_v, high_v)
+
+
+def _nodes_on(face: Face, u: Array, weights: Array, line: Array, low: Array, high: Array) -> tuple[Array, Array]:
+    """Gauss nodes and n dS on stretches from `low` to `high` of lines with their weights."""
     x, w = np.polynomial.legendre.leggauss(NODES_ALONG)
     v = 0.5 * (low + high)[:, None] + 0.5 * (high - low)[:, None] * x
     p, su, sv = face.surface.derivatives(np.stack([np.repeat(u[line], NODES_ALONG), v.ravel()], axis=1))
     share = 0.5 * (high - low)[:, None] * w * weights[line][:, None]
     return p, face.sign * share.reshape(-1, 1) * np.cross(su, sv)
+
+
+def radial_bounds(face: Face) -> tuple[float, float]:
+    """Radii (mm) between which the face lies for certain: those of the boxes and hulls of its patches' control points.
+
+    No more than bounds: the face reaches neither where its surface goes on beyond its outline.
+    """
+    if face.surface.kind is SurfaceKind.PLANE:
+        uv = np.stack(np.meshgrid(*face.box.T, indexing="ij"), axis=-1).reshape(-1, 2)
+        corners = face.surface.points(uv)[None]
+    else:
+        control = patches_of(face.surface, face.box).control
+        corners = (control[..., :3] / control[..., 3:]).reshape(len(control), -1, 3)
+    low, high = corners[..., :2].min(axis=1), corners[..., :2].max(axis=1)
+    nearest = np.hypot(*np.maximum(np.maximum(low, -high), 0.0).T)
+    return float(nearest.min()), float(radii_of(corners).max())
 
 
 def _stout(
@@ -91,13 +122,22 @@ def _lines(face: Face, levels: tuple[float, ...], panels: int) -> tuple[Array, A
     u = a + (b - a) sin(pi x / 2)**2 between two kinks takes away the square roots where a boundary turns back in u.
     """
     knots = _knots(face, levels)
+    shares = np.diff(knots) / max(float(np.ptp(knots)), 1e-300)
+    counts = np.clip(np.ceil(panels * KINKS * shares), min(LEAST_PANELS, panels), panels).astype(int)
+    found = [_graded(knots[:-1][counts == n], knots[1:][counts == n], n) for n in np.unique(counts).tolist()]
+    u, weights = (np.concatenate(column) for column in zip((np.zeros(0), np.zeros(0)), *found, strict=True))
+    return u, weights
+
+
+def _graded(a: Array, b: Array, panels: int) -> tuple[Array, Array]:
+    """Nodes and weights of so many panels in each interval from `a` to `b` (n,)."""
     steps = np.linspace(0.0, 1.0, panels + 1)
     x, w = np.polynomial.legendre.leggauss(PANEL_NODES)
     x = (steps[:-1, None] + 0.5 / panels * (x + 1.0)).ravel()
     w = np.tile(0.5 / panels * w, panels)
-    a, b = knots[:-1, None], knots[1:, None]
-    u = a + (b - a) * np.sin(0.5 * np.pi * x) ** 2
-    return u.ravel(), ((b - a) * 0.5 * np.pi * np.sin(np.pi * x) * w).ravel()
+    wide = (b - a)[:, None]
+    u = a[:, None] + wide * np.sin(0.5 * np.pi * x) ** 2
+    return u.ravel(), (wide * 0.5 * np.pi * np.sin(np.pi * x) * w).ravel()
 
 
 def _knots(face: Face, levels: tuple[float, ...]) -> Array:
@@ -146,12 +186,8 @@ def _crossings(face: Face, use: EdgeUse, radius: float) -> Array:
 
     f = gap(t)
     change = np.flatnonzero(np.diff(np.sign(f)) != 0)
-    a, b, fa = t[change], t[change + 1], f[change]
-    for _ in range(50):
-        middle = 0.5 * (a + b)
-        same = (gap(middle) > 0.0) == (fa > 0.0)
-        a, b = np.where(same, middle, a), np.where(same, b, middle)
-    return use.pcurve.points(0.5 * (a + b))[:, 0]
+    met = bracketed_roots(lambda _, x: gap(x), t[change], t[change + 1], f[change], f[change + 1])
+    return use.pcurve.points(met)[:, 0]
 
 
 def _inside(face: Face, u: Array) -> tuple[Array, Array, Array]:
@@ -203,25 +239,23 @@ def _where_met(use: EdgeUse, u: Array, order: Array, t: Array, p: Array) -> tupl
 
 
 def _split(face: Face, u: Array, line: Array, low: Array, high: Array, radius: float) -> tuple[Array, Array, Array]:
-    """Stretches cut in two wherever rho passes the radius along them; by bisection."""
+    """Stretches cut in two wherever rho passes the radius along them."""
     if not len(line):
         return line, low, high
     share = np.linspace(0.0, 1.0, SEARCH)
     v = low[:, None] + (high - low)[:, None] * share
     gap = _radii(face, np.repeat(u[line], SEARCH), v.ravel()).reshape(v.shape) - radius
     stretch, cell = np.nonzero((gap[:, 1:] > 0.0) != (gap[:, :-1] > 0.0))
-    a, b, above_a = v[stretch, cell], v[stretch, cell + 1], gap[stretch, cell] > 0.0
-    more, peak, side = _grazed(face, u[line], v, gap, radius)
+    a, b, fa, fb = v[stretch, cell], v[stretch, cell + 1], gap[stretch, cell], gap[stretch, cell + 1]
+    more, peak, reached = _grazed(face, u[line], v, gap, radius)
     # a peak that reaches through the level between two samples is met twice
     stretch = np.concatenate([stretch, more, more])
     h = (high - low)[more] / (SEARCH - 1)
     a, b = np.concatenate([a, peak - h, peak]), np.concatenate([b, peak, peak + h])
-    above_a = np.concatenate([above_a, side, ~side])
-    for _ in range(50):
-        middle = 0.5 * (a + b)
-        same = (_radii(face, u[line[stretch]], middle) > radius) == above_a
-        a, b = np.where(same, middle, a), np.where(same, b, middle)
-    root = 0.5 * (a + b)
+    beside = [_radii(face, u[line[more]], at) - radius for at in (peak - h, peak + h)]
+    fa, fb = np.concatenate([fa, beside[0], reached]), np.concatenate([fb, reached, beside[1]])
+    whose = u[line[stretch]]
+    root = bracketed_roots(lambda rows, at: _radii(face, whose[rows], at) - radius, a, b, fa, fb)
     number = np.concatenate([np.arange(len(line)), stretch])
     begin, end = np.concatenate([low, root]), np.concatenate([root, high])
     order = np.lexsort((begin, number))
@@ -232,7 +266,7 @@ def _split(face: Face, u: Array, line: Array, low: Array, high: Array, radius: f
 
 
 def _grazed(face: Face, u: Array, v: Array, gap: Array, radius: float) -> tuple[Array, Array, Array]:
-    """(stretch, v, whether rho is above the level beside it) of extremes of rho that reach through the level unseen."""
+    """(stretch, v, how far rho is above the level there) of extremes of rho that reach through the level unseen."""
     middle = gap[:, 1:-1]
     toward = np.where(middle > 0.0, 1.0, -1.0)
     nearest = (toward * middle <= toward * gap[:, :-2]) & (toward * middle <= toward * gap[:, 2:])
@@ -243,8 +277,9 @@ def _grazed(face: Face, u: Array, v: Array, gap: Array, radius: float) -> tuple[
         bend = before - 2.0 * here + after
         move = np.where(bend != 0.0, 0.5 * (before - after) / np.where(bend != 0.0, bend, 1.0), 0.0)
         at, h = at + h * np.clip(move, -1.0, 1.0), 0.1 * h
-    through = (_radii(face, u[stretch], at) > radius) != side
-    return stretch[through], at[through], side[through]
+    reached = _radii(face, u[stretch], at) - radius
+    through = (reached > 0.0) != side
+    return stretch[through], at[through], reached[through]
 
 
 def _radii(face: Face, u: Array, v: Array) -> Array:

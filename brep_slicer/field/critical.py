@@ -11,17 +11,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from brep_slicer.geometry import Brep, Face
 from brep_slicer.geometry.trimming import trimming_of
 from brep_slicer.maps import Array
 
 from .monotone import EdgeStretches
-from .radial import radii_of
+from .radial import COINCIDENCE_BAND, radii_of
 from .stationary import Stationary, stationary_places
 
 # Radii that differ by less are one, mm.
 MERGE = 1e-9
+# A face that stands on a level edge is noise near it: within this many times what the edge strays from its level, and the band.
+STRAYS = 2.0
+# The edge's own neighbourhood on such a face, in units of sqrt(2 R noise), what a face that is tangent there and not curved takes
+# to rise out of the noise; a face curved nearly like the cylinder takes longer.
+FOOT = 4.0
+# Segments of a level edge from which distances are measured.
+SEGMENTS = 64
 NOWHERE = Stationary(single=np.zeros((0, 2)), doubts=np.zeros((0, 2)), level=np.zeros((0, 2)))
 
 
@@ -45,7 +53,7 @@ class Critical:
 def critical_radii(brep: Brep, stretches: EdgeStretches) -> Critical:
     """Every critical radius of a solid."""
     found = [
-        stationary_places(face) if np.isnan(level) else NOWHERE
+        _off_level_edges(brep, face, stationary_places(face), stretches) if np.isnan(level) else NOWHERE
         for face, level in zip(brep.faces, stretches.face_level, strict=True)
     ]
     inside = [
@@ -67,6 +75,37 @@ def critical_radii(brep: Brep, stretches: EdgeStretches) -> Critical:
         lowest=lowest,
         highest=float(radii.max()),
     )
+
+
+def _off_level_edges(brep: Brep, face: Face, places: Stationary, stretches: EdgeStretches) -> Stationary:
+    """The places without those in the noise of a level edge that the face stands on.
+
+    A rolling-ball fillet is tangent to its hub all along their edge; stored as a B-spline it wanders about the hub's radius
+    there as the edge does, and is stationary at places that are no more than this: what touches the edge counts as its radius.
+    """
+    levels = {use.edge for loop in face.loops for use in loop if np.isfinite(stretches.edge_level[use.edge])}
+    for number in sorted(levels):
+        edge, level = brep.edges[number], float(stretches.edge_level[number])
+        if edge.curve is None or not sum(len(some) for some in (places.single, places.doubts, places.level)):
+            continue
+        chain = edge.curve.points(np.linspace(edge.first, edge.last, SEGMENTS + 1))
+        noise = STRAYS * float(np.abs(radii_of(chain) - level).max()) + COINCIDENCE_BAND
+        near = FOOT * float(np.sqrt(2.0 * level * noise))
+        single, doubts, flat = (
+            some[~_at_foot(face.surface.points(some), chain, level, noise, near)] if len(some) else some
+            for some in (places.single, places.doubts, places.level)
+        )
+        places = Stationary(single=single, doubts=doubts, level=flat)
+    return places
+
+
+def _at_foot(points: Array, chain: Array, level: float, noise: float, near: float) -> NDArray[np.bool_]:
+    """Which of the points (n, 3) lie within `noise` of the level and within `near` of the chain (m, 3), mm."""
+    a, d = chain[:-1], np.diff(chain, axis=0)
+    along = np.einsum("nmk,mk->nm", points[:, None] - a, d) / np.maximum(np.einsum("mk,mk->m", d, d), 1e-300)
+    feet = a + np.clip(along, 0.0, 1.0)[..., None] * d
+    distance = np.linalg.norm(points[:, None] - feet, axis=2).min(axis=1)
+    return (np.abs(radii_of(points) - level) <= noise) & (distance <= near)
 
 
 def _inside(face: Face, uv: Array) -> Array:

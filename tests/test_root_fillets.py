@@ -10,6 +10,8 @@ import brep_slicer as bs
 from brep_slicer.section import Engine
 
 HUB = 25.0
+# OCCT's fillet is a B-spline that follows the ball's contact to 2e-3 mm (measured), along an outline of 2 pi (8 + r).
+CONTACT = 2e-3
 
 
 def filleted(outline, height, finish):
@@ -38,12 +40,25 @@ def boss_area(boss, ball):
 @pytest.mark.parametrize("ball", [2.5, 5.0])
 def test_a_boss_with_a_rolling_ball_fillet(ball):
     (layer,) = bs.slice_part(filleted(bd.Circle(8), 50, lambda root: bd.fillet(root, ball)), [HUB], axis="Z")
-    assert layer.certificate.engine is Engine.ANALYTIC and not layer.certificate.fallback
-    assert layer.area == pytest.approx(boss_area(8.0, ball), abs=2e-3)
+    assert layer.certificate.engine is Engine.ANALYTIC
+    assert not layer.certificate.fallback
+    assert layer.area == pytest.approx(boss_area(8.0, ball), abs=CONTACT * 2.0 * np.pi * (8.0 + ball))
+
+
+@pytest.mark.parametrize("ball", [1.0, 3.0, 5.0])
+def test_a_collar_with_a_fillet_all_round(ball):
+    # a disc 12 high and its two fillets: 2 pi R (12 + 2 r)
+    part = bd.Cylinder(HUB, 60) + bd.Cylinder(40, 12)
+    root = [edge for edge in part.edges() if edge.geom_type == bd.GeomType.CIRCLE and abs(edge.radius - HUB) < 1e-6]
+    root = [edge for edge in root if abs(edge.center().Z) < 25]
+    (layer,) = bs.slice_part(bd.fillet(root, ball), [HUB], axis="Z")
+    assert layer.certificate.engine is Engine.ANALYTIC
+    assert not layer.certificate.fallback
+    assert layer.area == pytest.approx(2.0 * np.pi * HUB * (12.0 + 2.0 * ball), abs=1e-6)
 
 
 @pytest.mark.parametrize(
-    "outline, height, finish",
+    ("outline", "height", "finish"),
     [
         pytest.param(bd.RectangleRounded(20, 9, 2), 30, lambda root: bd.fillet(root, 1.5), id="key"),
         pytest.param(bd.Rectangle(6, 40), 45, lambda root: bd.fillet(root, 3.0), id="plate"),
@@ -65,5 +80,6 @@ def test_about_any_axis_from_a_file(turn, tmp_path):
     part = bd.Pos(12, -40, 7) * bd.Rot(*turn) * filleted(bd.Circle(8), 50, lambda root: bd.fillet(root, 2.5))
     bd.export_step(part, str(tmp_path / "boss.step"))
     (layer,) = bs.slice_part(bs.read_step(tmp_path / "boss.step"), [HUB])
-    assert layer.certificate.engine is Engine.ANALYTIC and not layer.certificate.fallback
-    assert layer.area == pytest.approx(boss_area(8.0, 2.5), abs=2e-3)
+    assert layer.certificate.engine is Engine.ANALYTIC
+    assert not layer.certificate.fallback
+    assert layer.area == pytest.approx(boss_area(8.0, 2.5), abs=CONTACT * 2.0 * np.pi * 10.5)

@@ -23,10 +23,10 @@ from .stationary import Stationary, stationary_places
 
 # Radii that differ by less are one, mm.
 MERGE = 1e-9
-# A face that stands on a level edge is noise near it: within this many times what the edge strays from its level, and the band.
+# A face that stands on a level edge is noise near it: within so many times what the edge strays from its level, and the band.
 STRAYS = 2.0
-# The edge's own neighbourhood on such a face, in units of sqrt(2 R noise), what a face that is tangent there and not curved takes
-# to rise out of the noise; a face curved nearly like the cylinder takes longer.
+# How far that goes from the edge, in units of sqrt(2 R noise): the way on which a flat that is tangent there rises out of it; a
+# face curved nearly like the cylinder takes longer.
 FOOT = 4.0
 # Segments of a level edge from which distances are measured.
 SEGMENTS = 64

@@ -1,13 +1,13 @@
-"""layers.png and toolpath.png: the unrolled layers with their beads, and the toolpath in space.
+"""layers.png: the unrolled layers with their beads at their width.
 
-In: a Plan. Out: pictures. Deposition is red and repositioning blue, as in the paper's Fig. 10.
+In: a Plan. Out: a picture. Deposition is red and repositioning blue, as in the paper's Fig. 10.
 """
 
 from __future__ import annotations
 
 import itertools
-import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,45 +16,54 @@ import numpy as np
 from brep_slicer.fill import LayerFill
 from brep_slicer.maps import Array
 from brep_slicer.region import Layer
-from brep_slicer.toolpath import Toolpath
 
-from ..atomic import write_whole
-from ..report import header_of_plan
+from .page import DEPOSIT, METAL, OUTLINE, TRAVEL, new_page, saved
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from brep_slicer.planning import Plan
 
-DEPOSIT, TRAVEL, METAL, OUTLINE = "#c8102e", "#1f5fbf", "#e9e4da", "#3c3c3c"
 # A page of layers shows at most this many; more are sampled evenly, first and last among them.
-MOST_PANELS = 12
+MOST_PANELS = 8
 
 # Moves longer than this share of a turn would only cross the picture, and go the other way round as often as not.
 SHOWN_MOVES = 0.25
+# Pieces are as large as each other within this share.
+ALIKE = 1e-3
 
 
 def draw_layers(plan: Plan, path: str | Path) -> Path:
     """The unrolled layers, one panel each."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     pairs = [(la, f) for la, f in zip(plan.layers, plan.fills, strict=True) if isinstance(la, Layer) and not la.region.is_empty]
     chosen = [pairs[i] for i in _spread(len(pairs), MOST_PANELS)]
     columns, width, height = _page([layer for layer, _ in chosen])
     rows = math.ceil(len(chosen) / columns)
-    figure = Figure(figsize=(width * columns, height * rows + 0.6), dpi=110, layout="constrained")
-    FigureCanvasAgg(figure)
+    high = height * rows + 0.6
+    figure = new_page(width * columns, high)
     for k, (layer, fill) in enumerate(chosen):
-        draw_layer(figure.add_subplot(rows, columns, k + 1), layer, fill)
+        # room for the labels of every panel, in inches
+        left, low = (k % columns) * width + 0.6, high - 0.4 - (k // columns + 1) * height + 0.45
+        box = (left / (width * columns), low / high, (width - 0.75) / (width * columns), (height - 0.95) / high)
+        axes = figure.add_axes(box)
+        draw_layer(axes, *_one_of_equals(layer, fill), width=plan.process.width)
+        count = len(layer.region.pieces)
+        equal = f"{count} pieces" if count > 1 else ""
+        equal = f"1 of {count} equal pieces" if count > 1 and _equal_pieces([layer]) else equal
+        axes.set_title(
+            f"layer {layer.index} · R {layer.radius:.6g} mm\n{layer.area:.5g} mm² · {equal}".rstrip(" ·"), fontsize=8
+        )
     shown = "" if len(chosen) == len(plan.layers) else f" ({len(chosen)} of {len(plan.layers)} shown)"
-    title = f"{Path(plan.part.source).name}: unrolled layers{shown} · deposition red, repositioning within a quarter turn blue"
+    title = f"{Path(plan.part.source).name}: unrolled layers{shown} · beads red, a dot at their starts; repositioning blue"
     figure.suptitle(title, fontsize=11)
-    return write_whole(path, lambda temporary: figure.savefig(temporary, metadata=_metadata(plan)))
+    return saved(figure, plan, path)
 
 
-def draw_layer(axes: Axes, layer: Layer, fill: LayerFill) -> None:
-    """One unrolled layer with its beads on given axes: kappa across, v up, mm, equal scales."""
+def draw_layer(axes: Axes, layer: Layer, fill: LayerFill, *, width: float | None = None) -> None:
+    """One unrolled layer with its beads on given axes: kappa across, v up, mm, equal scales.
+
+    With their `width` (mm) the beads are drawn as broad as they are, with a dot where each starts.
+    """
     from matplotlib.collections import LineCollection
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path as Outline
@@ -73,12 +82,39 @@ def draw_layer(axes: Axes, layer: Layer, fill: LayerFill) -> None:
         if np.hypot(*(b.points[0] - a.points[-1])) < SHOWN_MOVES * layer.region.period
     ]
     axes.add_collection(LineCollection(moves, colors=TRAVEL, linewidths=0.6, linestyles=(0, (3, 2)), zorder=1))
+    if width is not None:
+        _draw_widths(axes, lines, width)
     axes.set_aspect("equal")
     axes.autoscale_view()
     axes.set_title(f"layer {layer.index} · R {layer.radius:.6g} mm · {layer.area:.5g} mm²", fontsize=8)
     axes.set_xlabel("κ = Rθ, mm", fontsize=7)
     axes.set_ylabel("v, mm", fontsize=7)
     axes.tick_params(labelsize=6)
+
+
+def _draw_widths(axes: Axes, lines: list[Array], width: float) -> None:
+    """Beads as broad as they are, and their starts."""
+    import shapely
+    from matplotlib.collections import PolyCollection
+
+    parts = [part for line in lines for part in np.split(line, np.flatnonzero(np.isnan(line[:, 0]))) if len(part) > 1]
+    parts = [part[~np.isnan(part[:, 0])] for part in parts]
+    strips = shapely.buffer([shapely.LineString(part) for part in parts if len(part) > 1], 0.5 * width, quad_segs=6)
+    shells = [np.asarray(strip.exterior.coords) for strip in strips]
+    axes.add_collection(PolyCollection(shells, facecolors=DEPOSIT, edgecolors=DEPOSIT, linewidths=0.3, alpha=0.22, zorder=1.5))
+    if lines:
+        starts = np.array([line[0] for line in lines])
+        axes.scatter(starts[:, 0], starts[:, 1], s=7.0, color=DEPOSIT, linewidths=0.0, zorder=4)
+
+
+def _one_of_equals(layer: Layer, fill: LayerFill) -> tuple[Layer, LayerFill]:
+    """Of equal pieces the one nearest to kappa = 0 with its beads, large enough to be seen; any other layer as it is."""
+    if len(layer.region.pieces) < 2 or not _equal_pieces([layer]):
+        return layer, fill
+    pieces = layer.region.pieces
+    chosen = min(range(len(pieces)), key=lambda i: abs(sum(pieces[i].bounds()[::2])))
+    region = replace(layer.region, pieces=(pieces[chosen],))
+    return replace(layer, region=region), replace(fill, beads=tuple(bead for bead in fill.beads if bead.piece == chosen))
 
 
 def _shown(points: Array, layer: Layer) -> Array:
@@ -136,11 +172,6 @@ def _broken(points: Array, period: float) -> Array:
     return np.concatenate(out)
 
 
-def _metadata(plan: Plan) -> dict[str, str]:
-    """Text that a PNG carries along: version, part, parameters."""
-    return {"Software": "brep_slicer", "Description": json.dumps(header_of_plan(plan))}
-
-
 def _spread(count: int, most: int) -> list[int]:
     if count <= most:
         return list(range(count))
@@ -150,87 +181,20 @@ def _spread(count: int, most: int) -> list[int]:
 def _page(layers: list[Layer]) -> tuple[int, float, float]:
     """Columns, and the size of a panel in inches, from the widest and highest layer."""
     boxes = np.array([piece.bounds() for layer in layers for piece in layer.region.pieces])
-    wide = max(boxes[:, 2].max() - boxes[:, 0].min(), 1e-6)
+    wide = max((boxes[:, 2] - boxes[:, 0]).max() if _equal_pieces(layers) else np.ptp(boxes[:, ::2]), 1e-6)
     if any(_is_band(layer) for layer in layers):
         wide = max(layer.region.period for layer in layers)
     ratio = (boxes[:, 3].max() - boxes[:, 1].min()) / wide
     columns = 1 if ratio < 0.25 else 2 if ratio < 0.6 else 3 if ratio < 1.0 else 4
     columns = min(columns, len(layers))
     width = 11.0 / columns
-    return columns, width, min(max(width * ratio + 0.7, 1.6), 8.0)
+    return columns, width, min(max((width - 0.75) * ratio + 1.0, 1.8), 4.6)
 
 
-def draw_toolpath(plan: Plan, path: str | Path) -> Path:
-    """The toolpath in space, on the part of the substrate that it covers."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-    from mpl_toolkits.mplot3d.art3d import Line3DCollection
-
-    figure = Figure(figsize=(10, 8), dpi=110)
-    FigureCanvasAgg(figure)
-    axes: Any = figure.add_axes((0.02, 0.02, 0.94, 0.9), projection="3d", computed_zorder=False)
-    toolpath = plan.toolpath
-    shaft = _substrate_patch(plan)
-    axes.plot_surface(
-        *np.moveaxis(shaft, -1, 0), color=METAL, edgecolor=OUTLINE, linewidth=0.15, alpha=0.9, rstride=1, cstride=1
-    )
-    view = _viewpoint(plan)
-    laid, moved = _segments(toolpath, view)
-    for segments, color, width in ((moved, TRAVEL, 0.35), (laid, DEPOSIT, 0.7)):
-        if len(segments):
-            axes.add_collection3d(Line3DCollection(segments, colors=color, linewidths=width))
-    everything = np.concatenate([toolpath.points, shaft.reshape(-1, 3)])
-    low, high = everything.min(axis=0), everything.max(axis=0)
-    for setter, a, b in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), low, high, strict=True):
-        setter(a, b)
-    axes.set_box_aspect(np.maximum(high - low, 1e-3 * (high - low).max()), zoom=0.92)
-    for name, setter in zip("xyz", (axes.set_xlabel, axes.set_ylabel, axes.set_zlabel), strict=True):
-        setter(f"{name}, mm", fontsize=8)
-    axes.tick_params(labelsize=7)
-    axes.view_init(elev=math.degrees(math.asin(view[2])), azim=math.degrees(math.atan2(view[1], view[0])))
-    title = f"{Path(plan.part.source).name}: {len(plan.layers)} layers on R {plan.substrate.radius:.6g} mm"
-    figure.suptitle(f"{title} · deposition red, repositioning blue", fontsize=12)
-    return write_whole(path, lambda temporary: figure.savefig(temporary, metadata=_metadata(plan)))
-
-
-def _segments(toolpath: Toolpath, view: Array) -> tuple[Array, Array]:
-    """Deposited and travel segments that the shaft does not hide from someone who looks along -view, (n, 2, 3) each."""
-    pairs = np.stack([toolpath.points[:-1], toolpath.points[1:]], axis=1)
-    seen = toolpath.normals[1:] @ view > -0.05
-    return pairs[seen & toolpath.deposits[1:]], pairs[seen & ~toolpath.deposits[1:]]
-
-
-def _covered(plan: Plan) -> tuple[float, float]:
-    """First and last angle (rad) of the arc that holds every deposited point: a turn less the widest gap."""
-    path = plan.toolpath
-    theta = np.sort(np.mod(path.kappa[path.deposits] / path.radius[path.deposits], 2.0 * np.pi))
-    gaps = np.diff(np.append(theta, theta[0] + 2.0 * np.pi))
-    widest = int(gaps.argmax())
-    if gaps[widest] < 1.0:
-        return 0.0, 2.0 * np.pi
-    start = theta[(widest + 1) % len(theta)]
-    return float(start), float(start + 2.0 * np.pi - gaps[widest])
-
-
-def _substrate_patch(plan: Plan) -> Array:
-    """Points (n, m, 3) of the substrate below the deposit and a little beyond it."""
-    start, end = _covered(plan)
-    v = plan.toolpath.v[plan.toolpath.deposits]
-    margin = 0.15 * (v.max() - v.min()) + 1.0
-    if end - start < 2.0 * np.pi - 1e-6:
-        wide = margin / plan.substrate.radius + 0.1 * (end - start)
-        start, end = start - wide, end + wide
-    theta = np.linspace(start, end, max(3, math.ceil((end - start) / 0.06)))
-    z = np.linspace(v.min() - margin, v.max() + margin, 9)
-    angle, height = np.meshgrid(theta, z, indexing="ij")
-    radius = plan.substrate.radius
-    return plan.axis.file_from_axis(np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=-1))
-
-
-def _viewpoint(plan: Plan) -> Array:
-    """Unit vector to where the picture is taken from: outside, a little to the side and above, (3,)."""
-    start, end = _covered(plan)
-    middle = 0.5 * (start + end)
-    outwards = plan.axis.file_from_axis_vectors(np.array([math.cos(middle), math.sin(middle), 0.0]))
-    view = outwards + 0.55 * plan.axis.direction + 0.45 * np.cross(plan.axis.direction, outwards)
-    return view / np.linalg.norm(view)
+def _equal_pieces(layers: list[Layer]) -> bool:
+    """Whether every layer is shown by one of its pieces."""
+    for layer in layers:
+        areas = [piece.area() for piece in layer.region.pieces]
+        if _is_band(layer) or min(areas) <= (1.0 - ALIKE) * max(areas):
+            return False
+    return True

@@ -28,6 +28,8 @@ MOST_MAPS = 3
 WIDE = 3.0
 # Pieces are as large as each other within this share.
 ALIKE = 1e-3
+# Cells along the longer side of a height map.
+MOST_CELLS = 900
 
 
 def draw_proof(plan: Plan, proof: list[dict[str, Any]], path: str | Path) -> Path:
@@ -37,14 +39,25 @@ def draw_proof(plan: Plan, proof: list[dict[str, Any]], path: str | Path) -> Pat
     pairs = [(la, f) for la, f in zip(plan.layers, plan.fills, strict=True) if isinstance(la, Layer) and not la.region.is_empty]
     chosen = [pairs[int(i)] for i in np.unique(np.linspace(0, len(pairs) - 1, MOST_MAPS).round())] if pairs else []
     boxes = [_window(layer) for layer, _ in chosen]
-    figure, maps, last = _page(boxes)
+    figure, maps, last = _page(boxes, histogram=_bars(proof) > 1)
+    figure.suptitle(f"{Path(plan.part.source).name}: how even the metal is", fontsize=12, weight="bold")
     FigureCanvasAgg(figure)
     image = None
     for ax, (layer, fill), (k0, v0, k1, v1) in zip(maps, chosen, boxes, strict=True):
         t = layer.thickness or 1.0
-        made = deposit_of(layer.region, fill.beads, width=plan.process.width, thickness=t, step_over=plan.process.step_over)
+        # no finer than the page shows, and no more than it shows
+        cell = max(plan.process.width / CELLS_PER_WIDTH, max(k1 - k0, v1 - v0) / MOST_CELLS)
+        made = deposit_of(
+            layer.region,
+            fill.beads,
+            width=plan.process.width,
+            thickness=t,
+            step_over=plan.process.step_over,
+            window=(k0 - 2.0, v0 - 2.0, k1 + 2.0, v1 + 2.0),
+            cell=cell,
+        )
         # the picture ends at the cells' edges, not at their middles
-        half = 0.5 * plan.process.width / CELLS_PER_WIDTH
+        half = 0.5 * cell
         extent = (made.kappa[0] - half, made.kappa[-1] + half, made.v[0] - half, made.v[-1] + half)
         image = ax.imshow(made.heights / t, origin="lower", extent=extent, cmap="RdBu_r", vmin=0.0, vmax=2.0, aspect="equal")
         ax.set_xlim(k0 - 2.0, k1 + 2.0)
@@ -53,32 +66,38 @@ def draw_proof(plan: Plan, proof: list[dict[str, Any]], path: str | Path) -> Pat
         count = len(layer.region.pieces)
         one_of = f" (1 of {count} pieces shown)" if count > 1 else ""
         row = next(r for r in proof if r["layer"] == layer.index)
-        ax.set_title(
-            f"layer {layer.index}: height / t, mean {made.mean / t:.3f}{one_of}\nbare {100 * row['bare_share']:.2f} %, duty"
-            f" {100 * (row['duty'] or 0.0):.0f} %, {row['starts']} starts",
-            fontsize=9,
-        )
+        mean, bare, duty = row["mean_height_over_t"], 100.0 * row["bare_share"], 100.0 * (row["duty"] or 0.0)
+        title = f"layer {layer.index}: height / t, mean {mean:.3f}{one_of}"
+        ax.set_title(f"{title}\nbare {bare:.2f} %, duty {duty:.0f} %, {row['starts']} starts", fontsize=9)
         ax.set_xlabel("κ, mm")
         ax.set_ylabel("v, mm")
     if image is not None:
         figure.colorbar(image, ax=maps, shrink=0.7, label="simulated height / t")
-    _histogram(last, proof, plan.process.step_over)
+    if last is not None:
+        _histogram(last, proof, plan.process.step_over)
     return write_whole(path, lambda temporary: figure.savefig(temporary))
 
 
-def _page(boxes: list[tuple[float, float, float, float]]) -> tuple[Figure, list[Any], Any]:
-    """A figure, the axes of its maps and those of its histogram: wide maps one below the other, others side by side."""
+def _bars(proof: list[dict[str, Any]]) -> int:
+    """How many bars the histogram of the spacings has: a single one says no more than the summary does."""
+    counts = [row["step_over_measured_mm"]["histogram"]["counts"] for row in proof]
+    return int(np.count_nonzero(np.sum(counts, axis=0))) if counts else 0
+
+
+def _page(boxes: list[tuple[float, float, float, float]], *, histogram: bool) -> tuple[Figure, list[Any], Any]:
+    """A figure, its maps' axes and those of its histogram, if any: wide maps one below the other, others side by side."""
     from matplotlib.figure import Figure
 
     count = len(boxes)
+    last = ["last"] if histogram or not count else []
     ratio = min(((k1 - k0) / max(v1 - v0, 1e-9) for k0, v0, k1, v1 in boxes), default=1.0)
     if count and ratio > WIDE:
-        figure = Figure(figsize=(13.0, max(1.4 + 8.5 / ratio, 1.6) * count + 0.4), dpi=110, layout="constrained")
-        axes = figure.subplot_mosaic([[str(i), "last"] for i in range(count)], width_ratios=[3.0, 1.0])
+        figure = Figure(figsize=(13.0, max(1.4 + 8.5 / ratio, 1.6) * count + 0.7), dpi=110, layout="constrained")
+        axes = figure.subplot_mosaic([[str(i), *last] for i in range(count)], width_ratios=[3.0, 1.0][: 1 + len(last)])
     else:
-        figure = Figure(figsize=(4.2 * (count + 1), 4.6), dpi=110, layout="constrained")
-        axes = figure.subplot_mosaic([[*map(str, range(count)), "last"]])
-    return figure, [axes[str(i)] for i in range(count)], axes["last"]
+        figure = Figure(figsize=(4.2 * (count + len(last)), 4.9), dpi=110, layout="constrained")
+        axes = figure.subplot_mosaic([[*map(str, range(count)), *last]])
+    return figure, [axes[str(i)] for i in range(count)], axes.get("last")
 
 
 def _window(layer: Layer) -> tuple[float, float, float, float]:

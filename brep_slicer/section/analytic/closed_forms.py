@@ -19,6 +19,7 @@ from brep_slicer.geometry import Brep, ElementarySurface, Extrusion, Face, Revol
 from brep_slicer.maps import TURN, Array
 
 from .face_nodes import FaceNodes, clusters, pair_along
+from .profiles import places_on_profile
 
 # Directions are parallel to this (sine of the angle): what is left of a rigid motion's rounding.
 PARALLEL = 1e-12
@@ -140,10 +141,14 @@ def _rulings_on_cylinder(face: Face, found: FaceNodes, radii: Array) -> FaceArcs
 
 
 def _rulings_on_extrusion(face: Face, found: FaceNodes, radii: Array) -> FaceArcs:
-    normal = outward_normals(face, found.uv)
-    along = -np.sin(found.theta) * normal[:, 0] + np.cos(found.theta) * normal[:, 1]
-    span = float(face.box[1, 0] - face.box[0, 0])
-    return _rulings(face, found, radii, clusters(found.layer, found.uv[:, 0], 1e-6 * span), np.sign(along), found.theta)
+    surface = face.surface
+    assert isinstance(surface, Extrusion)
+    # the ruling is solved on the face: edges lie off it, by up to their tolerance, and so would its theta
+    places = places_on_profile(surface.curve, face.box[:, 0], found.uv[:, 0], found.layer, radii[found.layer])
+    normal = outward_normals(face, np.stack([places.parameter, found.uv[:, 1]], axis=1))
+    theta = np.arctan2(places.point[:, 1], places.point[:, 0])
+    along = -np.sin(theta) * normal[:, 0] + np.cos(theta) * normal[:, 1]
+    return _rulings(face, found, radii, places.number, np.sign(along), theta)
 
 
 def _round(face: Face, found: FaceNodes, radii: Array, component: Array, way: Array, make) -> FaceArcs:
@@ -180,27 +185,38 @@ def _circles_on_plane(face: Face, found: FaceNodes, radii: Array) -> FaceArcs:
 
 
 def _circles_of_revolution(face: Face, found: FaceNodes, radii: Array) -> FaceArcs:
-    way = -np.sign(outward_normals(face, found.uv)[:, 2])
-    component, height = _heights(face, found, radii)
+    surface, uv = face.surface, found.uv
+    if isinstance(surface, Revolution):
+        places = places_on_profile(surface.curve, face.box[:, 1], uv[:, 1], found.layer, radii[found.layer])
+        component, height = places.number, places.point[:, 2]
+        uv = np.stack([uv[:, 0], places.parameter], axis=1)
+    else:
+        component, height = _heights(face, found, radii)
+    way = -np.sign(outward_normals(face, uv)[:, 2])
     return _round(face, found, radii, component, way, _line_at(face, radii, height))
 
 
 def _heights(face: Face, found: FaceNodes, radii: Array) -> tuple[Array, Array]:
     """Which circle of its layer each node lies on, and the circle's height: by the profile where it has a formula."""
     surface, r = face.surface, radii[found.layer]
-    if isinstance(surface, ElementarySurface) and surface.kind is not SurfaceKind.CYLINDER:
-        base, up = surface.origin[2], surface.frame[2, 2]
-        if surface.kind is SurfaceKind.CONE:
-            # on the other nappe, beyond the apex, the cone's own radius is negative
-            rises = [(side * r - surface.radius) / np.tan(surface.half_angle) for side in (1.0, -1.0)]
-            return _nearest(base + up * np.stack(rises), found.z)
-        # a torus may be so thick that it crosses its own axis: its inner part has the profile -(major + minor cos v)
-        centres = (0.0,) if surface.kind is SurfaceKind.SPHERE else (surface.radius, -surface.radius)
-        tube = surface.radius if surface.kind is SurfaceKind.SPHERE else surface.minor
-        rises = [np.sqrt(np.maximum(tube**2 - (r - c) ** 2, 0.0)) for c in centres]
-        return _nearest(np.stack([base + side * rise for rise in rises for side in (1.0, -1.0)]), found.z)
+    assert isinstance(surface, ElementarySurface)
+    if surface.kind is SurfaceKind.CYLINDER:
+        return _clustered(found)
+    base, up = surface.origin[2], surface.frame[2, 2]
+    if surface.kind is SurfaceKind.CONE:
+        # on the other nappe, beyond the apex, the cone's own radius is negative
+        rises = [(side * r - surface.radius) / np.tan(surface.half_angle) for side in (1.0, -1.0)]
+        return _nearest(base + up * np.stack(rises), found.z)
+    # a torus may be so thick that it crosses its own axis: its inner part has the profile -(major + minor cos v)
+    centres = (0.0,) if surface.kind is SurfaceKind.SPHERE else (surface.radius, -surface.radius)
+    tube = surface.radius if surface.kind is SurfaceKind.SPHERE else surface.minor
+    rises = [np.sqrt(np.maximum(tube**2 - (r - c) ** 2, 0.0)) for c in centres]
+    return _nearest(np.stack([base + side * rise for rise in rises for side in (1.0, -1.0)]), found.z)
+
+
+def _clustered(found: FaceNodes) -> tuple[Array, Array]:
+    """Nodes of about one height on one circle, at the height of its first node: one line v = const."""
     component = clusters(found.layer, found.z, SAME_LINE)
-    # both ends of an arc are given the height of the first node on its circle: one line v = const
     _, first, where = np.unique(component, return_index=True, return_inverse=True)
     return component, found.z[first][where]
 

@@ -64,7 +64,7 @@ def find_nodes(brep: Brep, stretches: EdgeStretches, radii: Array) -> Nodes:
         evaluate = _together(curves, which)
         span, radius = stretches.t[stretch[mine]], radii[layer[mine]]
         line = curves[0] if len(curves) == 1 and isinstance(curves[0], LineEdge) else None
-        t[mine] = _crossings(evaluate, span, radius) if line is None else _on_line(line, span, radius)
+        t[mine] = crossings(evaluate, span, radius) if line is None else _on_line(line, span, radius)
         points[mine] = evaluate(t[mine], 0)[0]
     rising = stretches.rho[stretch, 1] > stretches.rho[stretch, 0]
     return Nodes(layer=layer, edge=edge, t=t, points=points, rising=rising, first=first)
@@ -95,7 +95,7 @@ def _together(curves: list[EdgeCurve], which: NDArray[np.int64]) -> Evaluate:
     return lambda t, order: pack.derivatives(which, t, order)
 
 
-def _crossings(evaluate: Evaluate, span: Array, radius: Array) -> Array:
+def crossings(evaluate: Evaluate, span: Array, radius: Array) -> Array:
     """Solve rho(t) = radius on monotone stretches (n, 2), by Newton kept inside of a shrinking bracket.
 
     Where effective radii say that there is a crossing and the curve itself falls just short of it, the nearer end is taken.

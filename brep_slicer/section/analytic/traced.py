@@ -28,6 +28,9 @@ BETWEEN = 5e-10
 # A span is halved this often at most: 2**-16 of the arc.
 MOST_HALVINGS = 16
 NEWTON_STEPS = 14
+# An end is brought onto the level from no farther than this, mm: as far as an edge 1e-3 mm off its face may be that grazes
+# the level. What is more than the edges' gaps explain fails the layer (engine.py).
+OFF_EDGE = 2.5e-2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -96,7 +99,7 @@ def _onto_level(ground: Ground, which: Which, uv: Array, radius: Array) -> Array
         gu, gv = gu / scale[:, 0] ** 2, gv / scale[:, 1] ** 2
         size = gu * gu * scale[:, 0] ** 2 + gv * gv * scale[:, 1] ** 2
         step = np.stack([gu, gv], axis=1) * (gap / np.maximum(size, 1e-30))[:, None]
-        near = (np.abs((uv - step - start) * scale) <= 1e-2).all(axis=1)
+        near = (np.abs((uv - step - start) * scale) <= OFF_EDGE).all(axis=1)
         uv = np.where(near[:, None], uv - step, uv)
         if (np.abs(gap) <= ON_LEVEL).all():
             break

@@ -69,10 +69,9 @@ def summary_of_sections(plan: PlanSections) -> str:
     """One line on how the layers were cut."""
     engines = [layer.certificate.engine.value for layer in plan.layers]
     counts = ", ".join(f"{engines.count(name)} by {name}" for name in sorted(set(engines)))
-    residual = max((layer.certificate.residual for layer in plan.layers), default=0.0)
-    jog = max((layer.certificate.jog for layer in plan.layers), default=0.0)
+    bound = max((layer.certificate.bound for layer in plan.layers), default=0.0)
     failed = f", {len(plan.failed)} failed" if plan.failed else ""
-    return f"{counts or 'none'}{failed}; largest residual {residual:.1e} mm, largest jog between edges {jog:.1e} mm"
+    return f"{counts or 'none'}{failed}; outlines within {bound:.1e} mm"
 
 
 def powder_mass(plan: PlanSections, seconds: float) -> float | None:

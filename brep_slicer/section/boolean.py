@@ -103,8 +103,8 @@ def _cut_once(solid: Any, used: float, seam: float) -> tuple[list[Loop], Certifi
     jog = max((loop.jog() for loop in loops), default=0.0)
     allowed = CUTS * length * (tolerance + jog) + 1e-9 * area
     checks: dict[str, bool | float | str] = {
-        "area_of_half_turns_mm2": halves - area,
-        "area_of_occt_face_mm2": whole.area - area,
+        "area_of_half_turns_differs_mm2": halves - area,
+        "area_of_occt_face_differs_mm2": whole.area - area,
         "edge_tolerance_mm": tolerance,
     }
     if abs(halves - area) > allowed or abs(whole.area - area) > allowed:

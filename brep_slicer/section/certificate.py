@@ -41,10 +41,16 @@ class Certificate:
         fallback = f", fallback: {shortened(self.fallback)}" if self.fallback else ""
         return f"Certificate({self.engine.value}, residual {self.residual:.1e} mm, jog {self.jog:.1e} mm{checks}{fallback})"
 
+    @property
+    def bound(self) -> float:
+        """What the outline is off by at most, as far as is known, mm: the residual, and the gaps between its edges on top."""
+        return self.residual + self.jog
+
     def as_dict(self) -> dict[str, Any]:
         """Plain values, for reports."""
         return {
             "engine": self.engine.value,
+            "outline_error_mm": self.bound,
             "residual_mm": self.residual,
             "jog_mm": self.jog,
             "checks": dict(self.checks),

@@ -33,6 +33,7 @@ class NoticeKind(enum.Enum):
     SPEED = "speed"
     BARE = "bare piece"
     METAL = "metal of a layer"
+    PIECE_METAL = "metal of a piece"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -160,7 +160,7 @@ def test_proof_from_the_command(fixture_step, tmp_path):
 
 
 def test_the_proof_tells_the_spacings_of_a_hatch_from_those_at_its_contour(fixture_step, tmp_path):
-    process = bs.Process(layer_thickness=1.4, step_over=3.4, contours=1, hatch_angles_deg=math.degrees(0.5))
+    process = bs.Process(layer_thickness=1.4, step_over=3.4, contours=1, pattern="hatch", hatch_angles_deg=math.degrees(0.5))
     plan = bs.plan(bs.read_step(fixture_step("helical_gear_tooth")), process, layers=(0, 1))
     (row,) = plan.proof()
     measured = row["step_over_measured_mm"]

@@ -97,6 +97,7 @@ def test_fit_says_where_the_outermost_bead_runs():
 RULES = """
 layer_thickness = 2.0
 step_over = 3.0
+pattern = "hatch"
 [[rules]]
 layers = "0:4"
 every = 2

@@ -19,7 +19,9 @@ def tooth_plan():
     fixtures = Path(__file__).resolve().parent.parent / "fixtures" / "step"
 
     part = bs.read_step(fixtures / "helical_gear_tooth.step")
-    return bs.plan(part, bs.Process(layer_thickness=1.4, step_over=3.4, hatch_angles_deg=(0.0, 67.0)))
+    return bs.plan(
+        part, bs.Process(layer_thickness=1.4, step_over=3.4, pattern="hatch", balance=False, hatch_angles_deg=(0.0, 67.0))
+    )
 
 
 def test_every_point_lies_on_its_cylinder_with_its_normal(tooth_plan):
@@ -130,7 +132,9 @@ def test_travels_clear_the_solids_that_were_not_chosen():
     ends = bar - bd.Solid.make_box(200.0, 200.0, 30.0, bd.Plane((-100.0, -100.0, 40.0)))
     keys = [s - bd.Solid.make_cylinder(40.0, 120.0) for s in ends.solids()]
     whole = bs.as_part([shaft.solids()[0], *(k.solids()[0] for k in keys)])
-    plan = bs.plan(whole.select([1, 2]), bs.Process(layer_thickness=2.0, step_over=3.0), axis=Z, substrate=40.0)
+    plan = bs.plan(
+        whole.select([1, 2]), bs.Process(layer_thickness=2.0, step_over=3.0, pattern="hatch"), axis=Z, substrate=40.0
+    )
     path = plan.toolpath
     between = ~path.deposits & (np.roll(path.v, 1) < 50.0) & (path.v > 60.0) & (np.roll(path.radius, 1) == path.radius)
     assert between.any()

@@ -31,7 +31,7 @@ def note(text, *pieces):
 @pytest.fixture(scope="module")
 def plan():
     part = bs.read_step(Path(__file__).resolve().parent.parent / "fixtures" / "step" / "spur_gear_tooth.step")
-    return bs.plan(part, bs.Process(layer_thickness=T, step_over=D), layers=(0, 5))
+    return bs.plan(part, bs.Process(layer_thickness=T, step_over=D, pattern="hatch"), layers=(0, 5))
 
 
 def test_nothing_where_nothing_is_amiss(plan):
@@ -61,7 +61,7 @@ def test_beads_that_hold_too_much_or_too_little_metal(plan):
     twice = [replace(fill, beads=fill.beads * 2) if i in (1, 2) else fill for i, fill in enumerate(plan.fills)]
     (said,) = warnings_of(plan.layers, twice, plan.process)
     assert said.startswith("layers 1 to 2: the beads hold 1.")
-    few = [replace(fill, beads=fill.beads[:2]) if i == 3 else fill for i, fill in enumerate(plan.fills)]
+    few = [replace(fill, beads=fill.beads[:1]) if i == 3 else fill for i, fill in enumerate(plan.fills)]
     piece, above, layer = warnings_of(plan.layers, few, plan.process)
     assert above.startswith("layer 4, piece 0: built on beads that hold 0.")
     assert piece.startswith("layer 3, piece 0: its beads hold less than a tenth of the metal")
@@ -168,7 +168,7 @@ def test_a_strip_that_gets_too_few_beads_is_told_of(plan, pattern, bare):
 
 @pytest.mark.parametrize("name", ["propeller", "box_on_shaft", "cam"])
 def test_no_piece_is_called_bare_that_is_not(name, fixture_step):
-    made = bs.plan(bs.read_step(fixture_step(name)), bs.Process(layer_thickness=8.0, step_over=D))
+    made = bs.plan(bs.read_step(fixture_step(name)), bs.Process(layer_thickness=8.0, step_over=D, pattern="hatch"))
     for layer, fill in zip(made.layers, made.fills, strict=True):
         said = [w for w in warnings_of([layer], [fill], made.process) if "more than a fifth of it bare" in w]
         if said:

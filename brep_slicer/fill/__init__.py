@@ -3,6 +3,7 @@
 In: a region, a pattern, the step-over. Out: beads in (kappa, v), in the order of deposition.
 """
 
+from .automatic import Automatic
 from .bead import Bead, BeadKind, LayerFill
 from .by_process import PatternChoice, fill_layer, pattern_of
 from .cladding import Helix, Rings
@@ -11,6 +12,7 @@ from .contours import Contours
 from .cooling import CooledOrder, in_cool_order
 from .flank import FlankFollowing, flank_direction
 from .hatch import Hatch
+from .metal import metal_of
 from .order import in_short_order
 from .pattern import Cell, CellFill, Pattern, PatternSequence, fill_region
 from .skeleton import Skeleton
@@ -19,6 +21,7 @@ from .spiral import Spiral
 from .zigzag import Zigzag
 
 __all__ = [
+    "Automatic",
     "Bead",
     "BeadKind",
     "Cell",
@@ -41,6 +44,7 @@ __all__ = [
     "flank_direction",
     "in_cool_order",
     "in_short_order",
+    "metal_of",
     "pattern_of",
     "with_overlap",
     "with_speed_by_spacing",

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +17,9 @@ from brep_slicer.curves.base import frozen_array
 from brep_slicer.maps import Array
 from brep_slicer.notices import Notice
 from brep_slicer.wording import counted
+
+if TYPE_CHECKING:
+    from .lobes import Shape
 
 
 class BeadKind(enum.Enum):
@@ -76,13 +80,19 @@ class LayerFill:
     """The beads of one layer in the order of deposition, and what the pattern had to say about them.
 
     `angle` and `step_over` are those used (rad, mm), by piece: on a full turn they differ from those asked by the closing
-    rule. `notes` are what is to be warned of (a piece too narrow for a bead, say), never silent.
+    rule. `notes` are what is to be warned of (a piece too narrow for a bead, say), never silent. By piece, too: which
+    `patterns` were chosen and why ("" where none had to be), the `metal` of the beads over what the piece needs, how far inside
+    of the outline what the inner pattern has to fill begins (`border`, mm), and the `shapes` that areas are measured on.
     """
 
     beads: tuple[Bead, ...]
     angle: tuple[float, ...] = ()
     step_over: tuple[float, ...] = ()
     notes: tuple[Notice, ...] = ()
+    patterns: tuple[str, ...] = ()
+    metal: tuple[float, ...] = ()
+    border: tuple[float, ...] = ()
+    shapes: tuple[Shape, ...] = ()
 
     def __repr__(self) -> str:
         length = sum(bead.length() for bead in self.beads)

@@ -15,6 +15,9 @@ from brep_slicer.notices import Notice, NoticeKind
 from brep_slicer.process import InnerPattern, Order, Process, Rule
 from brep_slicer.region import Layer, Piece, band_between, polygon_from_piece
 
+from .automatic import STRETCH as AUTO_STRETCH
+from .automatic import Automatic
+from .balance import metal_shares, with_balanced_metal
 from .bead import Bead, BeadKind, LayerFill
 from .cladding import Helix, Rings
 from .closing import with_overlap, with_spread_starts
@@ -22,7 +25,7 @@ from .contours import Contours
 from .cooling import in_cool_order
 from .flank import FlankFollowing
 from .hatch import Hatch
-from .order import in_short_order
+from .order import in_short_order_by_pieces
 from .pattern import Pattern, PatternSequence, fill_region
 from .skeleton import Skeleton
 from .spacing import with_speed_by_spacing
@@ -31,6 +34,14 @@ from .zigzag import Zigzag
 
 # Beads held at a limit of their speed along more than this share of their length are told of.
 MUCH = 0.1
+# Beads that end and start within so many step-overs of each other stay together in any order.
+TOGETHER = 2.0
+# The metal of a piece's beads is what the piece needs within this share, or else that is told of.
+METAL_WITHIN = 0.02
+TOO_MUCH = "its beads hold {share} times its metal: it is narrower than a bead can build at these speeds (fastest, balance)"
+TOO_LITTLE = (
+    "its beads hold {share} times its metal: its pattern does not reach all of it; auto or contours do, or slower beads"
+)
 PatternChoice = Callable[[int, Piece], Pattern]
 
 
@@ -40,32 +51,47 @@ def pattern_of(process: Process, layer: int, piece: Piece | None = None) -> Patt
         if piece is not None and rule.on_layer(layer) and _holds(rule, piece):
             process = process.updated(rules=(), **rule.changes)
             break
+    inside = _infill(process, layer) if process.hatch else None
+    return _inside_of_contours(process, layer, inside)
+
+
+def _inside_of_contours(process: Process, layer: int, inside: Pattern | None) -> Pattern:
+    """A pattern inside of the contours that a process asks for on a layer, if it does."""
     patterns: list[Pattern] = []
-    if process.contours and (layer % process.contours_every == 0 or not process.hatch):
+    if process.contours and (layer % process.contours_every == 0 or inside is None):
         patterns.append(Contours(count=process.contours, outwards=process.contours_outwards))
-    if process.hatch:
-        angle = process.hatch_angle(layer)
-        inner: dict[InnerPattern, Pattern] = {
-            InnerPattern.HATCH: Hatch(angle=angle, both_ways=process.both_ways, stretch=process.stretch),
-            InnerPattern.ZIGZAG: Zigzag(angle=angle),
-            InnerPattern.FLANK: FlankFollowing(both_ways=process.both_ways),
-            InnerPattern.CONTOURS: PatternSequence(
-                patterns=(Contours(count=None, outwards=process.contours_outwards), Skeleton())
-            ),
-            InnerPattern.SPIRAL: PatternSequence(patterns=(Spiral(), Skeleton())),
-            InnerPattern.SKELETON: Skeleton(),
-            InnerPattern.RINGS: Rings(),
-            InnerPattern.HELIX: Helix(
-                starts=process.starts,
-                left_handed=process.left_handed,
-                closing_rings=process.closing_rings,
-                start=process.start_angle,
-            ),
-        }
-        patterns.append(inner[process.pattern])
+    if inside is not None:
+        patterns.append(inside)
     if len(patterns) == 1:
         return patterns[0]
     return PatternSequence(patterns=tuple(patterns), overlap=process.value("overlap"))
+
+
+def _infill(process: Process, layer: int) -> Pattern:
+    """What a process asks for inside of the contours of a layer."""
+    angle = process.hatch_angle(layer)
+    inner: dict[InnerPattern, Pattern] = {
+        InnerPattern.AUTO: Automatic(
+            angle=angle,
+            both_ways=process.both_ways,
+            outwards=process.contours_outwards,
+            stretch=process.stretch or AUTO_STRETCH,
+        ),
+        InnerPattern.HATCH: Hatch(angle=angle, both_ways=process.both_ways, stretch=process.stretch),
+        InnerPattern.ZIGZAG: Zigzag(angle=angle),
+        InnerPattern.FLANK: FlankFollowing(both_ways=process.both_ways),
+        InnerPattern.CONTOURS: PatternSequence(patterns=(Contours(count=None, outwards=process.contours_outwards), Skeleton())),
+        InnerPattern.SPIRAL: PatternSequence(patterns=(Spiral(), Skeleton())),
+        InnerPattern.SKELETON: Skeleton(),
+        InnerPattern.RINGS: Rings(),
+        InnerPattern.HELIX: Helix(
+            starts=process.starts,
+            left_handed=process.left_handed,
+            closing_rings=process.closing_rings,
+            start=process.start_angle,
+        ),
+    }
+    return inner[process.pattern]
 
 
 def _holds(rule: Rule, piece: Piece) -> bool:
@@ -85,9 +111,12 @@ def _holds(rule: Rule, piece: Piece) -> bool:
 def fill_layer(layer: Layer, process: Process, pattern: PatternChoice | None = None) -> LayerFill:
     """The beads of one layer, in the order and at the speeds of a process.
 
-    `pattern` chooses for a layer's number and a piece; without it, the process does for all pieces.
+    `pattern` chooses for a layer's number and a piece what goes inside of the process's contours; without it, the process does
+    for all pieces.
     """
-    if pattern is None and process.rules:
+    if pattern is not None:
+        pattern = partial(_chosen, process, pattern)
+    elif process.rules:
         pattern = partial(pattern_of, process)
     fill = fill_region(
         layer.region,
@@ -101,18 +130,56 @@ def fill_layer(layer: Layer, process: Process, pattern: PatternChoice | None = N
     if process.spread_starts:
         fill = replace(fill, beads=with_spread_starts(fill.beads, layer.index))
     if process.order is Order.SHORTEST:
-        fill = replace(fill, beads=in_short_order(fill.beads, layer.region.period))
+        fill = replace(fill, beads=_in_short_order(fill.beads, layer, process))
     if process.rest_s:
         fill = _cooled(fill, process)
     if process.alternate and layer.index % 2 == 1:
         fill = replace(fill, beads=tuple(bead.reversed() for bead in fill.beads[::-1]))
-    if process.speed_follows_spacing and fill.beads:
-        limits = (process.slowest, process.fastest)
-        beads = with_speed_by_spacing(fill.beads, step_over=process.step_over, limits=limits, period=layer.region.period)
-        notes = _at_the_limit(beads, limits)
-        fill = replace(fill, beads=beads, notes=(*fill.notes, *notes))
+    fill = _at_its_speed(layer, fill, process)
     beads = with_overlap(fill.beads, process.closing_overlap)
-    return replace(fill, beads=tuple(_at_contour_speed(bead, process) for bead in beads))
+    beads = tuple(_at_contour_speed(bead, process) for bead in beads)
+    sizes = {"step_over": process.step_over, "width": process.width, "inset": process.value("inset")}
+    metal = metal_shares(beads, fill.shapes, **sizes)
+    return replace(fill, beads=beads, metal=metal, notes=(*fill.notes, *_off_balance(metal)))
+
+
+def _in_short_order(beads: tuple[Bead, ...], layer: Layer, process: Process) -> tuple[Bead, ...]:
+    reach = TOGETHER * process.step_over
+    return in_short_order_by_pieces(beads, layer.region.period, reach=reach, turned=process.both_ways)
+
+
+def _chosen(process: Process, choose: PatternChoice, layer: int, piece: Piece) -> Pattern:
+    """The pattern that a caller chooses for a piece, inside of the process's contours."""
+    return _inside_of_contours(process, layer, choose(layer, piece))
+
+
+def _off_balance(metal: Sequence[float]) -> tuple[Notice, ...]:
+    """Notes on pieces whose beads hold more or less than their metal; those without a bead are told of by their pattern."""
+    out = []
+    for index, share in enumerate(metal):
+        if share > 0.0 and abs(share - 1.0) > METAL_WITHIN:
+            text = TOO_MUCH if share > 1.0 else TOO_LITTLE
+            out.append(Notice(kind=NoticeKind.PIECE_METAL, text=text, pieces=(index,), figures={"share": (share, share)}))
+    return tuple(out)
+
+
+def _at_its_speed(layer: Layer, fill: LayerFill, process: Process) -> LayerFill:
+    """The speeds that the spacing of the beads, or the metal of the pieces, asks for."""
+    limits = (process.slowest, process.fastest)
+    if process.speed_follows_spacing and fill.beads:
+        beads = with_speed_by_spacing(fill.beads, step_over=process.step_over, limits=limits, period=layer.region.period)
+        fill = replace(fill, beads=beads, notes=(*fill.notes, *_at_the_limit(beads, limits)))
+    if not process.balance:
+        return fill
+    beads = with_balanced_metal(
+        fill,
+        step_over=process.step_over,
+        width=process.width,
+        inset=process.value("inset"),
+        limits=limits,
+        even=process.speed_follows_spacing,
+    )
+    return replace(fill, beads=beads)
 
 
 def _at_the_limit(beads: Sequence[Bead], limits: tuple[float, float]) -> tuple[Notice, ...]:

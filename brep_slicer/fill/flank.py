@@ -18,15 +18,13 @@ from brep_slicer.region import Piece
 from .bead import Bead, BeadKind
 from .hatch import Hatch
 from .inset import inset_piece, parts_of
+from .metal import ROUND_END
 from .pattern import Cell, CellFill, Pattern
 from .skeleton import Skeleton
 
 # Two flanks are parallel when their directions differ by less than this (rad).
 PARALLEL = 1e-6
 
-
-# The round end of a bead with a parabola's section holds as much metal as this length of it (in widths): pi / 16 / (2 / 3).
-ROUND_END = 3.0 * math.pi / 32.0
 # Flanks are followed by so many points.
 SAMPLES = 257
 # An outline has a corner where it turns by more than this at a point.

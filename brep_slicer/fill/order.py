@@ -14,28 +14,97 @@ import numpy as np
 
 from brep_slicer.maps import Array
 
-from .bead import Bead
+from .bead import Bead, BeadKind
 
 # Stretches up to this many beads are moved elsewhere as a whole.
 LONGEST_MOVE = 3
+# Orders of more stretches than this are not improved any further: the effort grows with the cube of their number.
+MOST_IMPROVED = 80
 # An improvement smaller than this (mm) is none.
 LEAST = 1e-9
 # A bead's number, and whether it is run backwards.
 Order = list[tuple[int, bool]]
 
 
-def in_short_order(beads: Sequence[Bead], period: float) -> tuple[Bead, ...]:
-    """The beads reordered for short travels on a cylinder of circumference `period` (mm); the first bead stays first."""
+def in_short_order(beads: Sequence[Bead], period: float, *, turned: bool = True) -> tuple[Bead, ...]:
+    """The beads reordered for short travels on a cylinder of circumference `period` (mm); the first bead stays first.
+
+    Without `turned`, all beads are run the way they are.
+    """
     if len(beads) < 3:
         return tuple(beads)
-    ends = np.array([[bead.points[0], bead.points[-1]] for bead in beads])
-    order = _greedy(ends, period)
+    ends = _ends_of(beads)
+    free = np.full(len(beads), turned)
+    order = _greedy(ends, period, free)
+    if turned:
+        order = _improved(ends, order, period)
+    return tuple(beads[i] if not back else beads[i].reversed() for i, back in order)
+
+
+def in_short_order_by_pieces(beads: Sequence[Bead], period: float, *, reach: float, turned: bool = True) -> tuple[Bead, ...]:
+    """A layer's beads reordered: piece by piece, in each one kind after the other as its pattern has them.
+
+    Beads that follow one another within `reach` (mm) in the pattern's own order stay together, as the lines of a hatch do. A
+    piece that has one kind of beads only may be laid backwards, if they may be `turned`.
+    """
+    if len(beads) < 3:
+        return tuple(beads)
+    stages: dict[int, dict[BeadKind, list[Bead]]] = {}
+    for bead in beads:
+        stages.setdefault(bead.piece, {}).setdefault(bead.kind, []).append(bead)
+    chains: list[list[Bead]] = []
+    free = []
+    for kinds in stages.values():
+        chain: list[Bead] = []
+        for mine in kinds.values():
+            chain += _of_one_kind(mine, chain[-1] if chain else None, period, reach, turned)
+        chains.append(chain)
+        free.append(turned and len(kinds) == 1)
+    ends = np.array([[chain[0].points[0], chain[-1].points[-1]] for chain in chains])
+    order = _greedy(ends, period, np.array(free))
+    if all(free) and len(order) <= MOST_IMPROVED:
+        order = _improved(ends, order, period)
+    return tuple(b for i, back in order for b in (_backwards(chains[i]) if back else chains[i]))
+
+
+def _of_one_kind(beads: list[Bead], before: Bead | None, period: float, reach: float, turned: bool) -> list[Bead]:
+    """Beads of one kind in one piece, from the end of the bead `before` on."""
+    ends = _ends_of(beads)
+    # where the next bead starts beside this one's end, as in a hatch both ways, the two are one
+    near = _far(ends[:-1, 1], ends[1:, 0], period) <= reach
+    runs = np.split(np.arange(len(beads)), np.flatnonzero(~near) + 1)
+    if len(runs) == 1 and before is None:
+        return beads
+    outer = np.array([[ends[run[0], 0], ends[run[-1], 1]] for run in runs])
+    if before is not None:
+        # the bead before stands first, as a run of no length
+        outer = np.concatenate([np.tile(before.points[-1], (1, 2, 1)), outer])
+    order = _greedy(outer, period, np.full(len(outer), turned))
+    if turned and 2 < len(order) <= MOST_IMPROVED:
+        order = _improved(outer, order, period)
+    skip = 0 if before is None else 1
+    out: list[Bead] = []
+    for i, back in order[skip:]:
+        chain = [beads[k] for k in runs[i - skip]]
+        out += _backwards(chain) if back else chain
+    return out
+
+
+def _backwards(chain: list[Bead]) -> list[Bead]:
+    return [bead.reversed() for bead in reversed(chain)]
+
+
+def _ends_of(beads: Sequence[Bead]) -> Array:
+    return np.array([[bead.points[0], bead.points[-1]] for bead in beads])
+
+
+def _improved(ends: Array, order: Order, period: float) -> Order:
+    """2-opt and or-opt until nothing gets shorter."""
     while True:
         before = travel_of(ends, order, period)
         order = _moved(ends, _two_opt(ends, order, period), period)
         if travel_of(ends, order, period) > before - LEAST:
-            break
-    return tuple(beads[i] if not back else beads[i].reversed() for i, back in order)
+            return order
 
 
 def travel_of(ends: Array, order: Order, period: float) -> float:
@@ -55,13 +124,16 @@ def _run(ends: Array, order: Order) -> tuple[Array, Array]:
     return ends[index, back], ends[index, 1 - back]
 
 
-def _greedy(ends: Array, period: float) -> Order:
+def _greedy(ends: Array, period: float, free: Array) -> Order:
+    """The nearest one next, from the first on; those that are not `free` (n,) run forwards only."""
     left = np.ones(len(ends), dtype=bool)
     left[0] = False
     order, here = [(0, False)], ends[0, 1]
-    while left.any():
+    barred = np.where(free, 0.0, np.inf)
+    for _ in range(len(ends) - 1):
         rows = np.flatnonzero(left)
         gaps = _far(here, ends[rows], period)
+        gaps[:, 1] += barred[rows]
         k, side = np.unravel_index(int(gaps.argmin()), gaps.shape)
         chosen = int(rows[k])
         order.append((chosen, bool(side)))

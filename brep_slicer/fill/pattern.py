@@ -17,11 +17,15 @@ from brep_slicer.region import Piece, Region
 from brep_slicer.wording import shortened
 
 from .bead import Bead, LayerFill
+from .lobes import Shape
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Cell:
-    """What a pattern fills: `piece` number `index`; `inset`, `step_over`, `width`, `chord` in mm; the beads `laid` before."""
+    """What a pattern fills: `piece` number `index`; `inset`, `step_over`, `width`, `chord` in mm; the beads `laid` before.
+
+    What those have to fill ends `border` mm inside of the outline.
+    """
 
     piece: Piece
     index: int
@@ -30,17 +34,25 @@ class Cell:
     width: float
     chord: float
     laid: tuple[Bead, ...] = ()
+    border: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CellFill:
-    """A cell's beads in order; the `inset` that is left for a pattern that follows; the angle and step-over used."""
+    """A cell's beads in order; the `inset` that is left for a pattern that follows; the angle and step-over used.
+
+    `used` says in words what was chosen and why, where a pattern chooses; `shape` is what it learned about the piece's widths;
+    what the last pattern's beads have to fill begins `border` mm inside of the outline.
+    """
 
     beads: tuple[Bead, ...]
     inset: float
     angle: float | None = None
     step_over: float | None = None
     notes: tuple[str, ...] = ()
+    used: str = ""
+    shape: Shape | None = None
+    border: float = 0.0
 
 
 class Pattern(abc.ABC):
@@ -87,9 +99,17 @@ class PatternSequence(Pattern):
                     angle=before.angle if made.angle is None else made.angle,
                     step_over=before.step_over if made.step_over is None else made.step_over,
                     notes=before.notes + made.notes,
+                    used=made.used or before.used,
+                    shape=made.shape or before.shape,
+                    border=cell.border,
                 )
-                reach = self.overlap if made.inset > cell.inset else 0.0
-                cells[i] = replace(cell, inset=made.inset - reach, laid=out[i].beads)
+                filled = made.inset > cell.inset
+                cells[i] = replace(
+                    cell,
+                    inset=made.inset - (self.overlap if filled else 0.0),
+                    laid=out[i].beads,
+                    border=max(0.0, made.inset - 0.5 * cell.step_over) if filled else cell.border,
+                )
         return out
 
 
@@ -162,4 +182,12 @@ def fill_region(
         beads += long
         angles.append(float("nan") if made.angle is None else made.angle)
         steps.append(step_over if made.step_over is None else made.step_over)
-    return LayerFill(beads=tuple(beads), angle=tuple(angles), step_over=tuple(steps), notes=tuple(notes))
+    return LayerFill(
+        beads=tuple(beads),
+        angle=tuple(angles),
+        step_over=tuple(steps),
+        notes=tuple(notes),
+        patterns=tuple(made.used for made in fills),
+        border=tuple(made.border for made in fills),
+        shapes=tuple(made.shape or Shape(c.piece, width, chord) for c, made in zip(cells, fills, strict=True)),
+    )

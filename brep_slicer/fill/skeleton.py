@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,8 +15,12 @@ from brep_slicer.maps import Array
 
 from .bead import Bead, BeadKind
 from .inset import parts_of, three_turns, window_of
+from .lobes import Shape
 from .medial import medial_axis
 from .pattern import Cell, CellFill, Pattern
+
+if TYPE_CHECKING:
+    from shapely import Geometry
 
 # Branches of the medial axis that run into corners are left out when the corner turns by less than this.
 CORNER = math.radians(95.0)
@@ -44,17 +49,33 @@ class Skeleton(Pattern):
             bare = shapely.MultiPolygon([p for p in parts_of(bare, "Polygon") if p.area > (SPOT * cell.width) ** 2])
         if bare.is_empty:
             return CellFill(beads=(), inset=cell.inset)
-        lines = [line for polygon in parts_of(shape, "Polygon") for line in _branches(polygon, cell)]
-        found = shapely.MultiLineString(lines)
-        if cell.laid:
-            found = found.intersection(bare.buffer(REACH * cell.width))
-        if cell.piece.winds:
-            found = found.intersection(window_of(cell.piece, shape))
-        long = [line for line in _merged(found) if line.length >= REACH * cell.width]
-        # again: where a short branch left, two long ones are now one
-        chains = [np.asarray(line.coords) for line in _merged(shapely.MultiLineString(long))]
-        beads = tuple(_bead(_thinned(c, cell.chord), cell.index) for c in chains)
-        return CellFill(beads=beads, inset=cell.inset)
+        window = window_of(cell.piece, shape) if cell.piece.winds else None
+        return CellFill(beads=_along(cell, shape, bare if cell.laid else None, window), inset=cell.inset)
+
+
+def beads_in_lobes(cell: Cell, shape: Shape) -> tuple[Bead, ...]:
+    """One bead along each branch of the skeleton in the lobes of a piece, from where other beads reach to their tips."""
+    import shapely
+
+    if not shape.lobes:
+        return ()
+    lobes = shapely.MultiPolygon(list(shape.lobes))
+    return _along(cell, shape.whole.intersection(lobes.buffer(cell.width)), lobes, None)
+
+
+def _along(cell: Cell, part: Geometry, bare: Geometry | None, window: Geometry | None) -> tuple[Bead, ...]:
+    """Beads along the skeleton of a `part` of the piece, where it is bare (None: all along), and within a window."""
+    import shapely
+
+    found = shapely.MultiLineString([line for polygon in parts_of(part, "Polygon") for line in _branches(polygon, cell)])
+    if bare is not None:
+        found = found.intersection(bare.buffer(REACH * cell.width))
+    if window is not None:
+        found = found.intersection(window)
+    long = [line for line in _merged(found) if line.length >= REACH * cell.width]
+    # again: where a short branch left, two long ones are now one
+    chains = [np.asarray(line.coords) for line in _merged(shapely.MultiLineString(long))]
+    return tuple(_bead(_thinned(c, cell.chord), cell.index) for c in chains)
 
 
 def _merged(lines) -> list:

@@ -117,6 +117,8 @@ def _fill_row(fill: LayerFill, path: dict[str, Any]) -> dict[str, Any]:
     return {
         "hatch_angle_deg": [None if math.isnan(a) else math.degrees(a) for a in fill.angle],
         "step_over_mm": list(fill.step_over),
+        "patterns": list(fill.patterns),
+        "metal_share": list(fill.metal),
         "notes": [str(note) for note in fill.notes],
         **{
             key: path.get(key, 0)

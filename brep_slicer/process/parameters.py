@@ -68,9 +68,10 @@ class Process:
     bead_width : float, optional
         w; 1.44 d if not given (the paper's 4.9 / 3.4).
     pattern : InnerPattern
-        What fills the inside: hatch, zigzag (continuous), flank (along the piece's long edges), contours (as many as fit),
-        spiral, skeleton (one bead along the middle), rings or helix (full turns). Contours and spirals are followed by
-        skeleton beads where they leave the metal bare.
+        What fills the inside: auto (hatch where a piece has room for three lines side by side, stretched by a quarter of d at
+        most; contours and skeletons where it has not), hatch, zigzag (continuous), flank (along the piece's long edges),
+        contours (as many as fit), spiral, skeleton (one bead along the middle), rings or helix (full turns). Contours and
+        spirals are followed by skeleton beads where they leave the metal bare.
     contours_outwards : bool
         The innermost contour is laid first.
     starts : int
@@ -93,6 +94,9 @@ class Process:
         and by layers on top.
     overlap : float, optional
         How much farther than a step-over from the last contour's centre hatch lines reach; 2 d - w (0 at least) if not given.
+    balance : bool
+        The beads of each piece are laid slower or faster, between `slowest` and `fastest` times the deposition speed, so that
+        they hold the metal that the piece has; else all at the deposition speed.
     speed_follows_spacing : bool
         Beads that come nearer to their neighbours are laid faster, so that the height stays t; between `slowest` and `fastest`
         times the deposition speed.
@@ -124,7 +128,7 @@ class Process:
     chord : float, optional
         Tolerance of sampled curves, mm; 0.01 mm if not given (d / 100 for step-overs below 1 mm).
     order : Order
-        Beads in the pattern's order, or in one that shortens travels.
+        Beads in one that shortens travels (piece by piece, in each one kind of beads after the other), or in the pattern's.
     last_layer : LastLayer
         What becomes of a last layer that the height does not fill: auto keeps it if the part fills a twentieth of it at least
         (and its end is known so well); keep, drop, or stretch all layers to fit.
@@ -160,10 +164,10 @@ class Process:
     laser_on_delay: float = 0.0
     laser_off_delay: float = 0.0
     contour_speed_mm_s: float | None = None
-    order: Taken[Order, Order | Literal["pattern", "shortest"]] = default(Order.PATTERN)
+    order: Taken[Order, Order | Literal["pattern", "shortest"]] = default(Order.SHORTEST)
     contours: int = 0
     hatch: bool = True
-    pattern: Taken[InnerPattern, InnerPattern | PatternName] = default(InnerPattern.HATCH)
+    pattern: Taken[InnerPattern, InnerPattern | PatternName] = default(InnerPattern.AUTO)
     hatch_angles_deg: Taken[tuple[float, ...], float | Sequence[float]] = default((0.0,))
     hatch_angle_step_deg: float = 0.0
     both_ways: bool = True
@@ -172,6 +176,7 @@ class Process:
     left_handed: bool = False
     closing_rings: bool = False
     start_angle_deg: float | None = None
+    balance: bool = True
     speed_follows_spacing: bool = False
     slowest: float = 0.5
     fastest: float = 2.0

@@ -28,6 +28,7 @@ class LastLayer(enum.Enum):
 class InnerPattern(enum.Enum):
     """What fills a layer inside of its contours."""
 
+    AUTO = "auto"
     HATCH = "hatch"
     ZIGZAG = "zigzag"
     FLANK = "flank"
@@ -39,7 +40,7 @@ class InnerPattern(enum.Enum):
 
 
 # The same words for type checkers.
-PatternName = Literal["hatch", "zigzag", "flank", "contours", "spiral", "skeleton", "rings", "helix"]
+PatternName = Literal["auto", "hatch", "zigzag", "flank", "contours", "spiral", "skeleton", "rings", "helix"]
 
 
 class Fit(enum.Enum):

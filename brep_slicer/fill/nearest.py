@@ -1,0 +1,106 @@
+"""How much metal beads of any course need: what of a piece is nearest to each stretch of them.
+
+In: a polygon, beads. Out: the beads with more points, and the amount of metal at each (1: t d per length).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from brep_slicer.maps import Array, lengths_along
+
+from .bead import Bead
+from .metal import ROUND_END
+
+# Stretches of a bead and cells of the piece's grid, in step-overs: some fifteen cells a stretch.
+STRETCH, GRID = 0.5, 0.18
+# More cells than this are not asked for: the grid is coarser on large pieces.
+MOST_CELLS = 200_000
+# Amounts that lie on a straight line along the bead within this are not written out.
+TOLERANCE = 0.03
+# What is farther from all beads than this (of the larger of step-over and bead width) is not theirs to fill.
+REACH = 0.75
+
+
+def amounts_by_nearest(
+    ground, beads: Sequence[Bead], *, step_over: float, width: float, period: float = 0.0
+) -> tuple[list[Array], list[Array], float]:
+    """(points, amounts) of each bead, and the share of the polygon that they reach; with a `period` across the seam, too."""
+    from scipy.spatial import cKDTree
+
+    places, lengths, owner = _stretches(beads, STRETCH * step_over, width)
+    cell = max(GRID * step_over, (ground.area / MOST_CELLS) ** 0.5)
+    points = _grid(ground, cell)
+    shifts = (-period, 0.0, period) if period else (0.0,)
+    tree = cKDTree(np.concatenate([places + np.array([s, 0.0]) for s in shifts]))
+    far, nearest = tree.query(points, distance_upper_bound=REACH * max(width, step_over))
+    near = np.isfinite(far)
+    count = np.bincount(nearest[near] % len(places), minlength=len(places)).astype(float)
+    area = count * (ground.area / max(len(points), 1))
+    out_points, out_amounts = [], []
+    last = np.searchsorted(owner, np.arange(len(beads) + 1))
+    for i, bead in enumerate(beads):
+        mine = slice(last[i], last[i + 1])
+        amount = _smooth(area[mine], bead.closed) / np.maximum(step_over * _smooth(lengths[mine], bead.closed), 1e-300)
+        p, a = _along(bead, amount)
+        out_points.append(p)
+        out_amounts.append(a)
+    return out_points, out_amounts, float(near.mean()) if len(points) else 0.0
+
+
+def _grid(ground, cell: float) -> Array:
+    """The middles (n, 2) of the square cells whose middles lie inside."""
+    import shapely
+
+    k0, v0, k1, v1 = ground.bounds
+    kappa, v = (np.arange(lo + 0.5 * cell, hi, cell) for lo, hi in ((k0, k1), (v0, v1)))
+    x, y = (c.ravel() for c in np.meshgrid(kappa, v))
+    shapely.prepare(ground)
+    inside = shapely.contains_xy(ground, x, y)
+    return np.stack([x[inside], y[inside]], axis=1)
+
+
+def _stretches(beads: Sequence[Bead], longest: float, width: float) -> tuple[Array, Array, Array]:
+    """Middles (n, 2) of equal stretches of all beads, what lengths they hold, round ends included, and whose they are."""
+    places, lengths, owner = [], [], []
+    for i, bead in enumerate(beads):
+        along = lengths_along(bead.points)
+        n = max(1, int(np.ceil(along[-1] / longest)))
+        at = (np.arange(n) + 0.5) * along[-1] / n
+        places.append(np.stack([np.interp(at, along, bead.points[:, k]) for k in (0, 1)], axis=1))
+        held = np.full(n, along[-1] / n)
+        if not bead.closed:
+            held[0] += ROUND_END * width
+            held[-1] += ROUND_END * width
+        lengths.append(held)
+        owner.append(np.full(n, i))
+    return np.concatenate(places), np.concatenate(lengths), np.concatenate(owner)
+
+
+def _smooth(values: Array, closed: bool) -> Array:
+    """Averaged over some three stretches; what it sums up to stays about the same."""
+    if len(values) < 3:
+        return np.full(len(values), values.mean())
+    for _ in range(2):
+        padded = np.concatenate([values[-1:], values, values[:1]]) if closed else np.pad(values, 1, mode="edge")
+        values = 0.25 * padded[:-2] + 0.5 * padded[1:-1] + 0.25 * padded[2:]
+    return values
+
+
+def _along(bead: Bead, amount: Array) -> tuple[Array, Array]:
+    """The bead's own points and as many more as the amounts ask for."""
+    import shapely
+
+    along = lengths_along(bead.points)
+    n = len(amount)
+    at = (np.arange(n) + 0.5) * along[-1] / n
+    ends = np.full(2, 0.5 * (amount[0] + amount[-1])) if bead.closed else amount[[0, -1]]
+    at, amount = np.concatenate([[0.0], at, along[-1:]]), np.concatenate([ends[:1], amount, ends[1:]])
+    # a line through (length, amount): as few of its points as keep it within the tolerance
+    scale = 1e-3 * max(float(along[-1]), 1e-9)
+    kept = shapely.get_coordinates(shapely.LineString(np.stack([at, scale * amount], axis=1)).simplify(scale * TOLERANCE))
+    knots = np.unique(np.concatenate([along, kept[:, 0]]))
+    points = np.stack([np.interp(knots, along, bead.points[:, k]) for k in (0, 1)], axis=1)
+    return points, np.interp(knots, kept[:, 0], kept[:, 1] / scale)

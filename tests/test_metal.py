@@ -1,0 +1,187 @@
+"""Each piece gets its metal: closed forms, the default plans, narrow lobes, contours, random plans."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import brep_slicer as bs
+from brep_slicer.fill import BeadKind, Contours, Hatch, Skeleton, fill_layer, metal_of
+from brep_slicer.fill.strips import strip_areas
+from brep_slicer.notices import NoticeKind
+from brep_slicer.proof import coverage_of, deposit_of
+from fixtures import bodies
+
+from .figures.plans import metal_by_piece, random_plan
+from .test_fill import D, R, W, rectangle
+from .test_proof import polygon
+
+T = 1.4
+PROCESS = bs.Process(layer_thickness=T, step_over=D, bead_width=W)
+
+
+def layer_of(region):
+    (layer,) = bs.slice_part(bodies.tube(), [40.0], axis="Z")
+    from dataclasses import replace
+
+    return replace(layer, region=region, area=region.area, thickness=T)
+
+
+def test_the_metal_of_a_bead_in_closed_form():
+    from brep_slicer.fill import Bead
+
+    points, ends = np.array([[0.0, 0.0], [30.0, 0.0]]), 2.0 * 3.0 * math.pi / 32.0 * W
+    plain = Bead(points=points, kind=BeadKind.HATCH)
+    slow = Bead(points=points, kind=BeadKind.HATCH, speed=np.array([0.5, 0.5]))
+    ring = Bead(points=points, kind=BeadKind.RING, closed=True)
+    expected = [D * (30.0 + ends), 2.0 * D * (30.0 + ends), D * 30.0]
+    assert metal_of([plain, slow, ring], step_over=D, width=W) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.4, 0.5 * math.pi])
+def test_strips_of_a_disc_in_closed_form(angle):
+    import shapely
+
+    disc = shapely.Point(0.0, 0.0).buffer(10.0, quad_segs=2000)
+    # a segment of height from y up: r**2 acos(y / r) - y sqrt(r**2 - y**2)
+    above = [100.0 * math.acos(y / 10.0) - y * math.sqrt(100.0 - y * y) for y in (-10.0, -5.5, 1.0, 5.5, 10.0)]
+    found = strip_areas(disc, angle, np.array([-8.0, -3.0, 5.0, 6.0]))
+    assert found == pytest.approx(-np.diff(above), rel=1e-5)
+
+
+@pytest.mark.parametrize("angle_deg", [0.0, 31.0, 90.0])
+@pytest.mark.parametrize("size", [(1.9, 40.0), (8.0, 40.0), (15.0, 15.0), (23.0, 61.0)])
+def test_a_rectangle_gets_its_metal_by_default(size, angle_deg):
+    region = polygon((0, 0), (size[0], 0), size, (0, size[1]))
+    fill = fill_layer(layer_of(region), PROCESS.updated(hatch_angles_deg=angle_deg))
+    assert metal_of(fill.beads, step_over=D, width=W).sum() == pytest.approx(region.area, rel=0.02)
+    assert fill.metal == pytest.approx((1.0,), abs=0.02)
+    assert not fill.notes
+    if size[0] > W:
+        # the simulation takes amounts for linear between points, the toolpath speeds; and it counts what lies inside only
+        made = deposit_of(region, fill.beads, width=W, thickness=T, step_over=D)
+        assert made.mean == pytest.approx(T, rel=0.03)
+
+
+def test_a_strip_narrower_than_beads_can_build_is_told_of():
+    fill = fill_layer(layer_of(polygon((0, 0), (1.0, 0), (1.0, 40.0), (0, 40.0))), PROCESS)
+    # at twice the speed a bead still holds d / 2 per length: 1.7 times what a strip of 1 mm needs
+    assert fill.metal[0] == pytest.approx(1.7, rel=0.1)
+    (said,) = [n for n in fill.notes if n.kind is NoticeKind.PIECE_METAL]
+    assert said.pieces == (0,)
+    assert "times its metal" in str(said)
+
+
+DEFAULTS = {
+    "spur tooth": (lambda read: read("spur_gear_tooth"), None, 4.0, 3.4),
+    "helical tooth": (lambda read: read("helical_gear_tooth"), None, 4.0, 3.4),
+    "cam": (lambda read: read("cam"), 40.0, 2.0, 2.0),
+    "propeller": (lambda read: read("propeller"), None, 8.0, 3.4),
+    "wind blade": (lambda read: read("wind_blade"), 40.0, 8.0, 1.5),
+    "blisk": (lambda read: bodies.blisk(), 40.0, 4.0, 3.4),
+    "thin blisk": (lambda read: bodies.blisk(thickness=2.0), 40.0, 4.0, 3.4),
+    "bands": (lambda read: bodies.banded_shaft(), 30.0, 2.0, 3.4),
+    "keyed band": (lambda read: read("keyed_band"), 45.0, 4.0, 3.0),
+}
+
+
+@pytest.mark.parametrize("name", DEFAULTS)
+def test_by_default_every_piece_gets_its_metal(name, fixture_step):
+    part, substrate, t, d = DEFAULTS[name]
+    made = bs.plan(
+        part(lambda n: bs.read_step(fixture_step(n))),
+        bs.Process(layer_thickness=t, step_over=d),
+        axis="Z",
+        substrate=substrate,
+    )
+    found = metal_by_piece(made)
+    assert found
+    assert max(abs(f.share - 1.0) for f in found) <= 0.02
+    assert not [n for n in made.notices if n.kind in (NoticeKind.PIECE_METAL, NoticeKind.NARROW, NoticeKind.BARE)]
+    # what was chosen, and why, is in the report
+    rows = made.report()["layers"]
+    assert all("is wider than" in words for row in rows for words in row["patterns"])
+
+
+def test_narrow_vanes_on_a_band_get_beads_of_their_own():
+    part = bodies.vaned_band(thickness=2.0)
+    process = bs.Process(layer_thickness=2.0, step_over=2.0)
+    made = bs.plan(part, process, axis="Z", substrate=30.0)
+    for layer, fill in zip(made.layers, made.fills, strict=True):
+        (piece,) = layer.region.pieces
+        assert piece.winds
+        mine = [b for b in fill.beads if b.kind is BeadKind.SKELETON]
+        assert len(mine) == 6
+        assert all(b.points[:, 1].max() > 40.0 for b in mine)
+        assert "6 narrow lobes" in fill.patterns[0]
+        assert fill.metal[0] == pytest.approx(1.0, abs=0.02)
+    # a hatch alone leaves them bare, and that is told of
+    bare = bs.plan(part, process.updated(pattern="hatch"), axis="Z", substrate=30.0)
+    assert max(f.metal[0] for f in bare.fills) < 0.98
+    assert [n for n in bare.notices if n.kind is NoticeKind.PIECE_METAL]
+
+
+def test_what_is_chosen_for_a_tapering_piece_changes_once():
+    words = []
+    for width in np.linspace(20.0, 2.0, 37):
+        fill = fill_layer(layer_of(polygon((0, 0), (width, 0), (width, 50.0), (0, 50.0))), PROCESS)
+        assert fill.metal[0] == pytest.approx(1.0, abs=0.02)
+        words.append(fill.patterns[0].split(":")[0].split(",")[0] == "hatch")
+    assert words[0]
+    assert not words[-1]
+    assert np.count_nonzero(np.diff(words)) == 1
+
+
+@pytest.mark.parametrize("angle_deg", [0.0, 20.0, 90.0])
+@pytest.mark.parametrize("name", ["keyed_band", "box_on_shaft"])
+def test_contours_and_hatch_do_not_pile_up(name, angle_deg, fixture_step):
+    process = bs.Process(layer_thickness=2.0, step_over=3.0, contours=1, pattern="hatch", hatch_angles_deg=angle_deg)
+    substrate = {"keyed_band": 45.0, "box_on_shaft": 50.0}[name]
+    made = bs.plan(bs.read_step(fixture_step(name)), process, axis="Z", substrate=substrate, layers="0:1")
+    (layer,), (fill,) = made.layers, made.fills
+    deposit = deposit_of(layer.region, fill.beads, width=process.width, thickness=2.0, step_over=3.0)
+    assert deposit.mean == pytest.approx(2.0, rel=0.02)
+    assert fill.metal == pytest.approx([1.0] * len(fill.metal), abs=0.02)
+
+
+@pytest.mark.parametrize("chosen", [Hatch(angle=0.3), Skeleton(), Contours(count=2)], ids=lambda p: type(p).__name__)
+def test_a_pattern_that_is_chosen_keeps_the_contours(chosen):
+    region = polygon((0, 0), (25, 0), (25, 40), (0, 40))
+    fill = fill_layer(layer_of(region), PROCESS.updated(contours=1), lambda layer, piece: chosen)
+    outermost = [b for b in fill.beads if b.kind is BeadKind.CONTOUR and b.points[:, 0].min() < 0.5 * W + 0.1]
+    assert len(outermost) == 1
+    none = fill_layer(layer_of(region), PROCESS, lambda layer, piece: Hatch(angle=0.3))
+    assert not [b for b in none.beads if b.kind is BeadKind.CONTOUR]
+
+
+def test_without_balance_all_beads_are_laid_at_one_speed_and_what_is_missing_is_told_of():
+    region = polygon((0, 0), (15, 0), (15, 40), (0, 40))
+    fill = fill_layer(layer_of(region), PROCESS.updated(balance=False, pattern="hatch"))
+    assert all(b.speed is None for b in fill.beads)
+    assert fill.metal[0] == pytest.approx(metal_of(fill.beads, step_over=D, width=W).sum() / region.area, rel=1e-9)
+    assert fill.metal[0] < 0.98
+    assert [n for n in fill.notes if n.kind is NoticeKind.PIECE_METAL]
+
+
+def test_contours_and_skeleton_cover_what_is_too_narrow_for_a_hatch():
+    region = polygon((0, 0), (9.0, 0), (9.0, 60.0), (0, 60.0))
+    fill = fill_layer(layer_of(region), PROCESS)
+    assert "contours" in fill.patterns[0]
+    assert coverage_of(region, fill.beads, W).bare_share < 0.02
+
+
+def test_a_hole_is_measured_as_one():
+    from brep_slicer.region import region_from_loops
+
+    region = region_from_loops(R, [rectangle(-20.0, 0.0, 20.0, 40.0), rectangle(-5.0, 12.0, 6.0, 25.0, hole=True)])
+    fill = fill_layer(layer_of(region), PROCESS)
+    assert metal_of(fill.beads, step_over=D, width=W).sum() == pytest.approx(region.area, rel=0.02)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(20))
+def test_no_random_plan_is_off_without_a_warning(seed):
+    _, made = random_plan(np.random.default_rng(seed))
+    assert not [f for f in metal_by_piece(made) if abs(f.share - 1.0) > 0.02 and not f.named]

@@ -30,6 +30,8 @@ PARTS = (
     ("drilled_tube", 30.0, 4.0, 3.0),
     ("oblique_tube", 30.0, 4.0, 3.0),
 )
+# The first layer planned is drawn from these; others from 0 to 2. The blade begins farther out than its shaft.
+FIRST = {"wind_blade": (40, 160), "propeller": (0, 40)}
 # A bead's round end holds as much as this length of it, in widths: a parabola's cross-section w wide turned about its middle.
 ROUND_END = 3.0 * math.pi / 32.0
 WITHIN = 0.02
@@ -104,7 +106,7 @@ def random_plan(rng: np.random.Generator, parts=PARTS) -> tuple[str, Plan]:
         "step_over": d * float(rng.uniform(0.8, 1.25)),
     }
     process = bs.Process(layer_thickness=t, **settings)
-    first = int(rng.integers(0, 6))
+    first = int(rng.integers(*FIRST.get(name, (0, 3))))
     part = bs.read_step(path if known else name)
     made = bs.plan(part, process, axis="Z" if known else None, substrate=substrate, layers=(first, first + 2))
     words = ", ".join(f"{k} {v:.4g}" if isinstance(v, float) else f"{k} {v}" for k, v in settings.items())

@@ -5,6 +5,7 @@ In: a part, perhaps an axis. Out: an Inspection: axes, cylinders, radial range, 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -39,6 +40,8 @@ class Inspection:
     cylinders: tuple[CylinderCandidate, ...]
     substrate_radius: float | None
     substrate_reason: str
+    roles: str
+    left_out: str
     overhang_share: float
     warnings: tuple[str, ...]
 
@@ -60,12 +63,21 @@ class Inspection:
             "cylinders": [asdict(c) for c in self.cylinders],
             "substrate_radius_mm": self.substrate_radius,
             "substrate_reason": self.substrate_reason,
+            "roles": self.roles,
+            "left_out": self.left_out,
             "overhang_share": self.overhang_share,
             "warnings": list(self.warnings),
         }
 
 
-def inspect_part(part: Any, *, axis: Any = None, substrate: float | None = None) -> Inspection:
+def inspect_part(
+    part: Any,
+    *,
+    axis: Any = None,
+    substrate: float | None = None,
+    build: Sequence[str | int] | None = None,
+    stands: Sequence[str | int] | None = None,
+) -> Inspection:
     """Look at a part as a planner would.
 
     Raises
@@ -81,10 +93,10 @@ def inspect_part(part: Any, *, axis: Any = None, substrate: float | None = None)
     solids = cut_solids(part, axis)
     reach = {s.index: s.critical.highest for s in solids}
     warnings = list(part.notes)
-    radius, reason = None, ""
+    radius, reason, roles, left_out = None, "", "", ""
     try:
-        chosen = find_substrate(part, axis, reach=reach, radius=substrate)
-        radius, reason = chosen.radius, chosen.reason
+        chosen = find_substrate(part, axis, reach=reach, radius=substrate, build=build, stands=stands)
+        radius, reason, roles, left_out = chosen.radius, chosen.reason, chosen.roles, chosen.left_out
         warnings += chosen.warnings
     except PlanningError as error:
         reason = str(error)
@@ -100,6 +112,8 @@ def inspect_part(part: Any, *, axis: Any = None, substrate: float | None = None)
         cylinders=tuple(coaxial_cylinders(part, axis)),
         substrate_radius=radius,
         substrate_reason=reason,
+        roles=roles,
+        left_out=left_out,
         overhang_share=share,
         warnings=tuple(warnings),
     )

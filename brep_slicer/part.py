@@ -6,7 +6,7 @@ In: a STEP file or a host object. Out: a frozen Part.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,11 +19,15 @@ MOST_NAMED = 3
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Solid:
-    """One solid: its index in the file, its name, the OCP solid (mm, location baked into the geometry)."""
+    """One solid: its index in the file, its name, the OCP solid (mm, location baked into the geometry).
+
+    `known` keeps what has been found out about the solid and does not depend on an axis.
+    """
 
     index: int
     name: str
     wrapped: Any
+    known: dict[str, Any] = field(init=False, repr=False, default_factory=dict)
 
     def __repr__(self) -> str:
         return f"Solid({self.index}: {shortened(self.name)!r})"

@@ -99,7 +99,7 @@ def test_nothing_grows_into_what_stands():
     box = bd.Solid.make_box(60.0, 20.0, 20.0, bd.Plane((20.0, -10.0, _flange_top(shaft))))
     block = (box - bd.Solid.make_cylinder(40.0, 200.0, bd.Plane((0.0, 0.0, -50.0)))).solids()[-1]
     both = bd.Compound([shaft, block])
-    made = planned(both, 2.0, substrate=40.0, substrate_solids=(0,), axis=axis_from_text("Z"))
+    made = planned(both, 2.0, substrate=40.0, stands=(0,), axis=axis_from_text("Z"))
     for layer in made.layers[1:41:3]:
         v0 = min(piece.bounds()[1] for piece in layer.region.pieces)
         # against the flange as far as it reaches; beyond it, grown all round

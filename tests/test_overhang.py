@@ -217,7 +217,7 @@ class TestSolids:
         builder.MakeCompound(both)
         builder.Add(both, shaft)
         builder.Add(both, box((8, 8, 20), (33, 0, 0)))
-        said = on_air(both, substrate=20.0, substrate_solids=[0])
+        said = on_air(both, substrate=20.0, stands=[0])
         if flange:
             assert said is None
         else:

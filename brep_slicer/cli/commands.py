@@ -44,6 +44,14 @@ SolidNames = Annotated[
     list[str] | None,
     typer.Option("--solid", help="Plan only this solid, by name or index; may be repeated.", rich_help_panel=INPUT),
 ]
+BuildNames = Annotated[
+    list[str] | None,
+    typer.Option("--build", help="This solid is to be built, by name or index; may be repeated.", rich_help_panel=INPUT),
+]
+StandNames = Annotated[
+    list[str] | None,
+    typer.Option("--stands", help="This solid stands already, by name or index; may be repeated.", rich_help_panel=INPUT),
+]
 Unit = Annotated[
     str | None,
     typer.Option(
@@ -79,13 +87,15 @@ def inspect(
     axis: AxisText = None,
     substrate: SubstrateRadius = None,
     solid: SolidNames = None,
+    build: BuildNames = None,
+    stands: StandNames = None,
     unit: Unit = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print plain JSON.")] = False,
 ) -> None:
     """Say what a part looks like to a planner: axis, cylinders, radial range, overhangs."""
     from brep_slicer.inspection import inspect_part, volume_text
 
-    found = inspect_part(_part(part, unit, solid), axis=axis, substrate=substrate)
+    found = inspect_part(_part(part, unit, solid), axis=axis, substrate=substrate, build=build, stands=stands)
     if as_json:
         typer.echo(json.dumps(found.as_dict(), indent=1))
         return
@@ -102,6 +112,8 @@ def inspect(
         )
     chosen = "none" if found.substrate_radius is None else f"R {found.substrate_radius:.6g} mm"
     lines.append(f"substrate: {chosen} ({found.substrate_reason})")
+    if found.roles:
+        lines += [f"roles: {found.roles}", f"left out: {found.left_out}"]
     lines += [f"warning: {warning}" for warning in found.warnings]
     typer.echo("\n".join(lines))
 
@@ -218,6 +230,8 @@ def plan(
     axis: AxisText = None,
     substrate: SubstrateRadius = None,
     solid: SolidNames = None,
+    build: BuildNames = None,
+    stands: StandNames = None,
     unit: Unit = None,
     allow_failed: Annotated[
         bool, typer.Option("--allow-failed", help="Write the toolpath even if some layers failed.", rich_help_panel=TUNING)
@@ -258,7 +272,18 @@ def plan(
     read = _part(part, unit, solid)
     ensure_folder(out)
     with _progress("sections") as advance:
-        sections = cut_layers(read, settings, axis=axis, substrate=substrate, layers=layers, engine=engine, progress=advance)
+        sections = cut_layers(
+            read,
+            settings,
+            axis=axis,
+            substrate=substrate,
+            build=build,
+            stands=stands,
+            layers=layers,
+            engine=engine,
+            progress=advance,
+        )
+    typer.echo(f"roles: {sections.substrate.roles}")
     # what is known of the sections is said at once: beads and proof may take minutes
     warn(sections.notices)
     if sections.failed and not allow_failed:

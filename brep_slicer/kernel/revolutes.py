@@ -8,12 +8,11 @@ in truth; *screw motion*, a turn with a shift along the axis: surfaces of revolu
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from OCP.BRepAdaptor import BRepAdaptor_Surface
-from OCP.BRepClass import BRepClass_FaceClassifier
 from OCP.BRepGProp import BRepGProp
 from OCP.GeomAbs import (
     GeomAbs_Cone,
@@ -25,6 +24,7 @@ from OCP.GeomAbs import (
 )
 from OCP.gp import gp_Cone, gp_Cylinder, gp_Pnt, gp_Pnt2d, gp_Sphere, gp_Vec
 from OCP.GProp import GProp_GProps
+from OCP.IntTools import IntTools_FClass2d
 from OCP.ShapeAnalysis import ShapeAnalysis_CanonicalRecognition
 from OCP.TopAbs import TopAbs_FACE, TopAbs_IN, TopAbs_ON, TopAbs_REVERSED
 
@@ -36,6 +36,9 @@ RECOGNITION_GAP = 1e-4
 SCREW_FIT = 1e-4
 # ... and the second-best motion is this many times worse: a plane or a sphere is moved into itself by several.
 SCREW_DISTINCT = 30.0
+# A face is asked whether it is a cylinder, cone or sphere only where the residual is below this: on the smallest ones the gap
+# allowed turns normals by about as much.
+NEARLY_SCREW = 0.05
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -43,8 +46,8 @@ class AxisVote:
     """One face's say: `point` and `direction` (3,) in mm, its `area` (mm**2), what it `is`.
 
     `radius` is that of a cylinder (mm), else None; `outward` tells a boss (+1) from a bore (-1); `direction` is None for a
-    sphere, which votes for a centre only. `turn` is the angle (rad) that a cylinder's face covers. `exact` votes come from a
-    surface that the file stores as turned; the others are fitted.
+    sphere, which votes for a centre only. `turn` is the angle (rad) that the face covers about the line, 0 where that is not
+    known. `exact` votes come from a surface that the file stores as turned; the others are fitted.
     """
 
     face: int
@@ -65,9 +68,11 @@ def axis_votes(solid: Any) -> list[AxisVote]:
         face = as_face(shape)
         surface = BRepAdaptor_Surface(face, True)
         area = area_of(face)
-        vote = _elementary(index, surface, area, face) or _recognised(index, surface, area, face)
+        vote = _elementary(index, surface, area, face)
+        if vote is not None and vote.direction is not None:
+            vote = replace(vote, turn=float(surface.LastUParameter() - surface.FirstUParameter()))
         if vote is None and surface.GetType() != GeomAbs_Plane:
-            vote = _screw(index, surface, area, face)
+            vote = _fitted(index, surface, area, face)
         if vote is not None:
             votes.append(vote)
     return votes
@@ -101,7 +106,7 @@ def _vote(index: int, kind: str, axis: Any, area: float, **more: Any) -> AxisVot
 def _elementary(index: int, surface: Any, area: float, face: Any) -> AxisVote | None:
     kind = surface.GetType()
     if kind == GeomAbs_Cylinder:
-        return _cylinder_vote(index, surface.Cylinder(), area, surface, face, exact=True)
+        return _cylinder_vote(index, surface.Cylinder(), area, _outward(surface, face), exact=True)
     if kind == GeomAbs_Cone:
         return _vote(index, "cone", surface.Cone().Axis(), area, exact=True)
     if kind == GeomAbs_Torus:
@@ -114,47 +119,55 @@ def _elementary(index: int, surface: Any, area: float, face: Any) -> AxisVote | 
     return None
 
 
-def _cylinder_vote(index: int, cylinder: Any, area: float, surface: Any, face: Any, *, exact: bool = False) -> AxisVote:
-    axis = cylinder.Axis()
-    points, normals = sampled(surface, face)
-    arm = points - _xyz(axis.Location())
-    direction = _xyz(axis.Direction())
+def _cylinder_vote(index: int, cylinder: Any, area: float, outward: int, *, exact: bool = False) -> AxisVote:
+    return _vote(index, "cylinder", cylinder.Axis(), area, radius=float(cylinder.Radius()), outward=outward, exact=exact)
+
+
+def _outward(surface: Any, face: Any) -> int:
+    """+1 where the metal is inside of a cylinder's face, -1 in a bore: its natural normal points away from the axis if its
+    frame is right-handed."""
+    sign = 1 if surface.Cylinder().Position().Direct() else -1
+    return -sign if face.Orientation() == TopAbs_REVERSED else sign
+
+
+def _outward_by_normals(cylinder: Any, points: np.ndarray, normals: np.ndarray) -> int:
+    direction = _xyz(cylinder.Axis().Direction())
+    arm = points - _xyz(cylinder.Axis().Location())
     across = arm - np.outer(arm @ direction, direction)
-    outward = int(np.sign((across * normals).sum()))
-    turn = _covered_turn(across, direction)
-    return _vote(index, "cylinder", axis, area, radius=float(cylinder.Radius()), outward=outward, turn=turn, exact=exact)
+    return int(np.sign((across * normals).sum()))
 
 
-def _covered_turn(across: np.ndarray, direction: np.ndarray) -> float:
-    """The angle round the axis that sampled points cover: a turn less the widest gap between them."""
-    helper = np.eye(3)[np.abs(direction).argmin()]
-    e1 = np.cross(direction, helper)
-    e2 = np.cross(direction, e1)
-    angle = np.sort(np.arctan2(across @ e2, across @ e1))
-    gaps = np.diff(np.append(angle, angle[0] + 2.0 * np.pi))
-    widest = float(gaps.max())
-    return 2.0 * np.pi if widest < 0.7 else 2.0 * np.pi - widest
-
-
-def _recognised(index: int, surface: Any, area: float, face: Any) -> AxisVote | None:
-    if surface.GetType() == GeomAbs_Plane:
+def _fitted(index: int, surface: Any, area: float, face: Any) -> AxisVote | None:
+    """The vote of a face that is not stored as turned: a recognised one, or the screw motion that moves it into itself."""
+    points, normals = sampled(surface, face)
+    if len(points) < 8:
         return None
+    centre = points.mean(axis=0)
+    size = float(np.abs(points - centre).max())
+    arm = (points - centre) / size
+    rows = np.hstack([np.cross(arm, normals), normals])
+    _, values, motions = np.linalg.svd(rows / np.sqrt(len(rows)), full_matrices=False)
+    # what no motion moves into itself is no cylinder, cone or sphere either
+    found = _recognised(index, area, face, points, normals) if values[-1] < NEARLY_SCREW else None
+    return found or _screw(index, area, values, motions[-1], centre, size)
+
+
+def _recognised(index: int, area: float, face: Any, points: np.ndarray, normals: np.ndarray) -> AxisVote | None:
     recognition = ShapeAnalysis_CanonicalRecognition(face)
     cylinder, cone, sphere = gp_Cylinder(), gp_Cone(), gp_Sphere()
     if recognition.IsCylinder(RECOGNITION_GAP, cylinder):
-        return _cylinder_vote(index, cylinder, area, surface, face)
+        return _cylinder_vote(index, cylinder, area, _outward_by_normals(cylinder, points, normals))
     if recognition.IsCone(RECOGNITION_GAP, cone):
         return _vote(index, "cone", cone.Axis(), area)
     if recognition.IsSphere(RECOGNITION_GAP, sphere):
-        centre = _xyz(sphere.Location())
-        return AxisVote(face=index, point=centre, direction=None, area=area, kind="sphere")
+        return AxisVote(face=index, point=_xyz(sphere.Location()), direction=None, area=area, kind="sphere")
     return None
 
 
 def sampled(surface: Any, face: Any, count: int = 12, *, strict: bool = False) -> tuple[np.ndarray, np.ndarray]:
     """Points on the face (inside of its trimming where any are, or always if `strict`) and outward normals, each (n, 3)."""
     bounds = (surface.FirstUParameter(), surface.LastUParameter(), surface.FirstVParameter(), surface.LastVParameter())
-    inside = BRepClass_FaceClassifier()
+    inside = IntTools_FClass2d(face, 1e-9)
     sign = -1.0 if face.Orientation() == TopAbs_REVERSED else 1.0
     steps = (np.arange(count) + 0.5) / count
     points, along_u, along_v, held = [], [], [], []
@@ -165,8 +178,7 @@ def sampled(surface: Any, face: Any, count: int = 12, *, strict: bool = False) -
             points.append((point.X(), point.Y(), point.Z()))
             along_u.append((du.X(), du.Y(), du.Z()))
             along_v.append((dv.X(), dv.Y(), dv.Z()))
-            inside.Perform(face, gp_Pnt2d(float(u), float(v)), 1e-9)
-            held.append(inside.State() in (TopAbs_IN, TopAbs_ON))
+            held.append(inside.Perform(gp_Pnt2d(float(u), float(v))) in (TopAbs_IN, TopAbs_ON))
     normals = np.cross(along_u, along_v)
     size = np.linalg.norm(normals, axis=1)
     chosen = np.array(held) if strict or any(held) else np.ones(len(points), dtype=bool)
@@ -174,17 +186,8 @@ def sampled(surface: Any, face: Any, count: int = 12, *, strict: bool = False) -
     return np.array(points)[chosen], sign * normals[chosen] / size[chosen, None]
 
 
-def _screw(index: int, surface: Any, area: float, face: Any) -> AxisVote | None:
-    """Fit the screw motion whose velocity c' + c x p is tangent to the face: c.(p x n) + c'.n = 0 in least squares."""
-    points, normals = sampled(surface, face)
-    if len(points) < 8:
-        return None
-    centre = points.mean(axis=0)
-    size = float(np.abs(points - centre).max())
-    arm = (points - centre) / size
-    rows = np.hstack([np.cross(arm, normals), normals])
-    _, values, motions = np.linalg.svd(rows / np.sqrt(len(rows)), full_matrices=False)
-    motion = motions[-1]
+def _screw(index: int, area: float, values: np.ndarray, motion: np.ndarray, centre: np.ndarray, size: float) -> AxisVote | None:
+    """The screw motion whose velocity c' + c x p is tangent to the face: c.(p x n) + c'.n = 0 in least squares."""
     turn = float(np.linalg.norm(motion[:3]))
     if values[-1] > SCREW_FIT or values[-2] < SCREW_DISTINCT * max(values[-1], 1e-9) or turn < 0.05:
         return None

@@ -145,6 +145,27 @@ def unique_names(found: list[tuple[str, Any]]) -> list[tuple[str, Any]]:
     return out
 
 
+def boxes_apart(a: Any, b: Any) -> float:
+    """How far the boxes round two shapes are apart, mm; 0 where they meet."""
+    from OCP.Bnd import Bnd_Box
+    from OCP.BRepBndLib import BRepBndLib
+
+    boxes = []
+    for shape in (a, b):
+        box = Bnd_Box()
+        BRepBndLib.Add_s(shape, box, False)
+        boxes.append(box)
+    return float(boxes[0].Distance(boxes[1]))
+
+
+def distance_of(a: Any, b: Any) -> float:
+    """How far two shapes are apart, mm; infinite where the kernel cannot say."""
+    from OCP.BRepExtrema import BRepExtrema_DistShapeShape
+
+    found = BRepExtrema_DistShapeShape(a, b)
+    return float(found.Value()) if found.IsDone() and found.NbSolution() > 0 else float("inf")
+
+
 def compound(shapes: Any) -> Any:
     """One compound of several shapes."""
     builder = BRep_Builder()

@@ -32,7 +32,8 @@ def plan(
     *,
     axis: Any = None,
     substrate: float | None = None,
-    substrate_solids: Sequence[int] | None = None,
+    build: Sequence[str | int] | None = None,
+    stands: Sequence[str | int] | None = None,
     layers: tuple[int | None, int | None] | str | None = None,
     engine: Engine | str = Engine.ANALYTIC,
     pattern: PatternChoice | None = None,
@@ -52,8 +53,9 @@ def plan(
         faces if not given.
     substrate : float, optional
         Radius (mm) to build on; by default the rule of `find_substrate`.
-    substrate_solids : sequence of int, optional
-        Indices of the solids that stand already.
+    build, stands : sequence of str or int, optional
+        Names or indices of solids that are to be built, or that stand already; the others' roles follow from how they touch
+        (`substrate.roles`), and the plan says which they are.
     layers : (first, past the last) or a text "a:b", optional
         Plan only these layers; they keep their numbers.
     engine : Engine or str
@@ -85,7 +87,8 @@ def plan(
         process,
         axis=axis,
         substrate=substrate,
-        substrate_solids=substrate_solids,
+        build=build,
+        stands=stands,
         layers=layers,
         engine=engine,
         progress=progress,
@@ -122,8 +125,12 @@ def _standing(sections: PlanSections) -> Obstacles:
     """What no travel goes through: the solids that stand, and those of the file that were not chosen to be built."""
     part, substrate = sections.part, sections.substrate
     others = cut_solids(replace(part, solids=part.others), sections.axis)
-    standing = [s for s in sections.solids if s.index in substrate.solids]
-    return obstacles_of([s.brep for s in (*standing, *others)], substrate.radius)
+    standing = [s for s in sections.solids if s.index in (*substrate.solids, *substrate.alone)]
+    whole = obstacles_of([s.brep for s in (*standing, *others)], substrate.radius)
+    if not substrate.zones:
+        return whole
+    collars = obstacles_of([s.brep for s in sections.solids if s.index in substrate.built], substrate.radius)
+    return whole.joined(collars.within(substrate.zones))
 
 
 def _check_number_of_beads(sections: PlanSections) -> None:

@@ -13,8 +13,8 @@ from brep_slicer.errors import InputError, LayerError, PlanningError
 from brep_slicer.notices import Notice, NoticeKind, grouped
 from brep_slicer.part import Part, as_part
 from brep_slicer.process import Process, choice, layer_range
-from brep_slicer.region import FailedLayer, Layer, slice_solids, slice_with_allowance
-from brep_slicer.section import CutSolid, Engine, cut_solids, noise_of_outermost
+from brep_slicer.region import FailedLayer, Layer, outside_of_zones, slice_solids, slice_with_allowance
+from brep_slicer.section import CutSolid, Engine, cut_solids, noise_of_outermost, reach_of_faces
 from brep_slicer.substrate.axis import as_axis
 from brep_slicer.substrate.layers import LayerStack, stack_layers
 from brep_slicer.substrate.radius import Substrate, find_substrate
@@ -33,7 +33,8 @@ def cut_layers(
     *,
     axis: Any = None,
     substrate: float | None = None,
-    substrate_solids: Sequence[int] | None = None,
+    build: Sequence[str | int] | None = None,
+    stands: Sequence[str | int] | None = None,
     layers: tuple[int | None, int | None] | str | None = None,
     engine: Engine | str = Engine.ANALYTIC,
     progress: Progress | None = None,
@@ -52,16 +53,18 @@ def cut_layers(
     axis = as_axis(axis, part)
     solids = cut_solids(part, axis)
     reach = {s.index: s.critical.highest for s in solids}
-    chosen = find_substrate(part, axis, reach=reach, radius=substrate, solids=substrate_solids)
-    features = [r for i, r in reach.items() if i not in chosen.solids]
-    if not features or max(features) <= chosen.radius:
+    chosen = find_substrate(part, axis, reach=reach, radius=substrate, build=build, stands=stands)
+    features = {s.index: _reach_of_features(s, chosen) for s in solids if s.index in chosen.built}
+    outermost = max(features.values(), default=0.0)
+    if outermost <= chosen.radius:
         raise PlanningError(f"{part.source}: nothing stands beyond the substrate, R {chosen.radius:.6g} mm; give a smaller one")
-    highest = max(features) + process.allowance
+    highest = outermost + process.allowance
     _check_step_over(part, process, highest)
-    noise = max(noise_of_outermost(s) for s in solids if reach[s.index] == max(features))
+    noise = max(noise_of_outermost(s) for s in solids if features.get(s.index) == outermost)
     stack = stack_layers(chosen.radius, highest, process, noise=noise)
     numbers = _chosen_layers(part, len(stack.radii), asked)
-    cut = _cut(solids, stack, numbers, chosen, process, cutter, progress)
+    cuttable = [s for s in solids if s.index not in chosen.alone]
+    cut = _cut(cuttable, stack, numbers, chosen, process, cutter, progress)
     made = PlanSections(
         part=part,
         process=process,
@@ -75,7 +78,7 @@ def cut_layers(
         failed=tuple(layer for layer in cut if isinstance(layer, FailedLayer)),
         notices=tuple(_of_the_part(part, chosen, stack)),
     )
-    return _judged(made, cutter, lambda number: _cut(solids, stack, [number], chosen, process, cutter, None)[0])
+    return _judged(made, cutter, lambda number: _cut(cuttable, stack, [number], chosen, process, cutter, None)[0])
 
 
 def _judged(sections: PlanSections, engine: Engine, cut: CutLayer) -> PlanSections:
@@ -92,6 +95,13 @@ def _judged(sections: PlanSections, engine: Engine, cut: CutLayer) -> PlanSectio
         *notices_of_support(sections, engine=engine, cut=cut),
     ]
     return replace(sections, notices=grouped(notices))
+
+
+def _reach_of_features(solid: CutSolid, substrate: Substrate) -> float:
+    """How far out what is built of a solid reaches, mm: all of it, or what is outside of the zones that stand."""
+    if not substrate.zones:
+        return solid.critical.highest
+    return reach_of_faces(solid, [face for index, face in substrate.built_faces if index == solid.index])
 
 
 def _of_the_part(part: Part, substrate: Substrate, stack: LayerStack) -> list[Notice]:
@@ -156,11 +166,28 @@ def _cut(
     for i, layer in zip(numbers, sliced, strict=True):
         radius = stack.radii[i]
         layer = replace(layer, index=i, radius=radius, thickness=stack.thicknesses[i])
+        if isinstance(layer, Layer) and substrate.zones:
+            layer = _without_zones(layer, substrate)
         if isinstance(layer, Layer):
             # cut elsewhere in its thickness: theta kept, kappa rescaled to the surface that is deposited on
             layer = replace(layer, region=layer.region.on_radius(radius))
         out.append(layer)
     return tuple(out)
+
+
+def _without_zones(layer: Layer, substrate: Substrate) -> Layer | FailedLayer:
+    """A layer without the collars and flanges that stand."""
+    try:
+        region = outside_of_zones(layer.region, substrate.zones)
+    except LayerError as error:
+        return FailedLayer(
+            index=layer.index,
+            radius=layer.radius,
+            cut_radius=layer.cut_radius,
+            thickness=layer.thickness,
+            reason=f"collars that stand cannot be taken away: {error}",
+        )
+    return replace(layer, region=region, area=region.area)
 
 
 def check_complete(sections: PlanSections) -> None:

@@ -91,7 +91,10 @@ class _Support:
 
     def _standing_at(self, radius: float) -> list[DrawnRegion] | None:
         """Sections of what stands already."""
-        standing = [solid for solid in self._plan.solids if solid.index in self._plan.substrate.solids]
+        substrate = self._plan.substrate
+        # where collars stand, what is built is cut whole: what the stack holds of it is there anyway
+        stand = (*substrate.solids, *(substrate.built if substrate.zones else ()))
+        standing = [solid for solid in self._plan.solids if solid.index in stand]
         return self._sections([*standing, *self._others], radius)
 
     @cached_property

@@ -14,6 +14,7 @@ from .pieces import Piece
 from .region import Region, region_from_loops
 from .slicing import slice_part, slice_solids
 from .stitched import stitched_outlines
+from .zones import outside_of_zones
 
 __all__ = [
     "DrawnRegion",
@@ -30,6 +31,7 @@ __all__ = [
     "features_of",
     "grown_region",
     "lifts_between",
+    "outside_of_zones",
     "overlapping_area",
     "polygon_from_piece",
     "region_from_loops",

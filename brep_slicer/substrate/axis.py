@@ -9,8 +9,9 @@ that stands for a line.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,8 +19,11 @@ from numpy.typing import ArrayLike
 from brep_slicer.curves.base import frozen_array
 from brep_slicer.errors import InputError, PlanningError
 from brep_slicer.maps import Array
-from brep_slicer.part import Part, as_part
+from brep_slicer.part import Part, Solid, as_part
 from brep_slicer.wording import shortened
+
+if TYPE_CHECKING:
+    from brep_slicer.kernel.revolutes import AxisVote
 
 # Two votes are one line when their directions agree to this (rad) ...
 SAME_DIRECTION = 1e-4
@@ -46,7 +50,7 @@ class Axis:
             object.__setattr__(self, name, frozen_array(getattr(self, name), name=name, shape=(3,)))
 
     def __repr__(self) -> str:
-        return f"Axis({_line(self)})"
+        return f"Axis({text_of_axis(self)})"
 
     @property
     def rotation(self) -> Array:
@@ -87,7 +91,7 @@ class AxisCandidate:
     share: float
 
     def __repr__(self) -> str:
-        return f"AxisCandidate({_line(self.axis)}, {self.area:.6g} mm2, {self.share:.0%} of the turned area)"
+        return f"AxisCandidate({text_of_axis(self.axis)}, {self.area:.6g} mm2, {self.share:.0%} of the turned area)"
 
 
 def axis_from_line(point: ArrayLike, direction: ArrayLike) -> Axis:
@@ -214,29 +218,36 @@ def _three(thing: Any) -> Array | None:
     return numbers if numbers.shape == (3,) else None
 
 
-def _line(axis: Axis) -> str:
+def text_of_axis(axis: Axis) -> str:
     """As --axis takes it: origin:direction."""
     return ":".join(",".join(f"{x:.6g}" for x in v) for v in (axis.origin, axis.direction))
 
 
 def describe_candidate(candidate: AxisCandidate) -> str:
     """A candidate as text that --axis takes, with its share."""
-    return f"{_line(candidate.axis)} with {candidate.share:.0%} of the turned area"
+    return f"{text_of_axis(candidate.axis)} with {candidate.share:.0%} of the turned area"
 
 
 def axis_candidates(part: Any) -> list[AxisCandidate]:
     """Every line that faces of a part (anything that `as_part` takes) vote for, the most area first."""
+    return candidates_from_votes([vote for solid in as_part(part).solids for vote in votes_of(solid)])
+
+
+def votes_of(solid: Solid) -> list[AxisVote]:
+    """What each face of a solid says about an axis; asked once."""
     from brep_slicer.kernel.revolutes import axis_votes
 
-    part = as_part(part)
-    votes = [vote for solid in part.solids for vote in axis_votes(solid.wrapped)]
+    if "axis_votes" not in solid.known:
+        solid.known["axis_votes"] = axis_votes(solid.wrapped)
+    return solid.known["axis_votes"]
+
+
+def candidates_from_votes(votes: Sequence[AxisVote]) -> list[AxisCandidate]:
+    """Every line that these votes are for, the most area first."""
     lines = sorted((v for v in votes if v.direction is not None), key=lambda v: -v.area)
     total = sum(vote.area for vote in votes)
     reach = max((float(np.linalg.norm(v.point)) for v in votes), default=0.0) + math.sqrt(total)
-    groups: list[list] = []
-    for vote in lines:
-        home = next((g for g in groups if _same_line(g[0], vote, SAME_PLACE * reach)), None)
-        groups.append([vote]) if home is None else home.append(vote)
+    groups = _grouped(lines, SAME_PLACE * reach)
     centres = [v for v in votes if v.direction is None]
     out = []
     for group in groups:
@@ -245,6 +256,24 @@ def axis_candidates(part: Any) -> list[AxisCandidate]:
         area += sum(v.area for v in centres if _distance(first, v.point) <= SAME_PLACE * reach)
         out.append(AxisCandidate(axis=axis_from_line(first.point, first.direction), area=area, share=area / total))
     return sorted(out, key=lambda c: -c.area)
+
+
+def _grouped(votes: Sequence[AxisVote], reach: float) -> list[list[AxisVote]]:
+    """Votes by line, each with the first group whose first vote is for the same line within `reach` (mm)."""
+    groups: list[list[AxisVote]] = []
+    points, directions = np.zeros((len(votes), 3)), np.zeros((len(votes), 3))
+    for vote in votes:
+        n = len(groups)
+        assert vote.direction is not None
+        tilt = np.linalg.norm(np.cross(directions[:n], vote.direction), axis=1)
+        apart = np.linalg.norm(np.cross(directions[:n], vote.point - points[:n]), axis=1)
+        same = np.flatnonzero((tilt <= SAME_DIRECTION) & (apart <= reach))
+        if len(same):
+            groups[same[0]].append(vote)
+        else:
+            points[n], directions[n] = vote.point, vote.direction
+            groups.append([vote])
+    return groups
 
 
 def _representative(group: list, reach: float):
@@ -262,9 +291,9 @@ def _representative(group: list, reach: float):
     return group[0]
 
 
-def _same_line(a, b, reach: float) -> bool:
+def _same_line(a: Any, b: Any, reach: float) -> bool:
     return float(np.linalg.norm(np.cross(a.direction, b.direction))) <= SAME_DIRECTION and _distance(a, b.point) <= reach
 
 
-def _distance(line, point: Array) -> float:
+def _distance(line: Any, point: Array) -> float:
     return float(np.linalg.norm(np.cross(line.direction, point - line.point)))

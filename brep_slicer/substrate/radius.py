@@ -1,128 +1,60 @@
-"""The substrate: the cylinder that is built on, chosen from the part's coaxial cylinders or given.
+"""The substrate: the cylinder that is built on, chosen from the part's coaxial cylinders or given; and what is built on it.
 
-In: a part and its axis. Out: a Substrate with its radius, the solids that it consists of, and why it was chosen.
+In: a part and its axis. Out: a Substrate with its radius, the role of every solid, why, and what is left out.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from brep_slicer.errors import InputError, PlanningError
-from brep_slicer.part import Part, as_part
+from brep_slicer.maps import Array
+from brep_slicer.part import Part
 from brep_slicer.wording import shortened
 
-from .axis import SAME_DIRECTION, SAME_PLACE, Axis, as_axis
+from .axis import Axis
+from .choice import TOLD, Choice, chosen_ground
+from .doubts import doubts_of
+from .ground import Ground
+from .lands import SAME_RADIUS, CylinderCandidate, Land, beyond, coaxial_cylinders, lands_of, levels_of, listed
+from .roles import Roles, places_named, roles_of, said
+from .survey import Survey, survey_of
 
-# Cylinders whose radii differ by less (mm) are one: several faces of one shaft in a file with rounded coordinates.
-SAME_RADIUS = 1e-5
-# There is metal beyond a cylinder when the part reaches farther out than this (mm), or this share of its radius if that is
-# less: more than lands in files deviate from their cylinder.
-BEYOND, BEYOND_SHARE = 1e-2, 1e-3
+__all__ = ["CylinderCandidate", "Substrate", "coaxial_cylinders", "find_substrate"]
 
+# Collars that hold more than this share of what is to be built stand only on a radius that was asked for.
+MOST_IN_ZONES = 0.5
 # A substrate of less than this share of the part's radius has no arc lengths to speak of, and no floating point to hold them.
 LEAST_SHARE = 1e-6
-# A land covers the whole turn when its faces do to this (rad).
-WHOLE_TURN = 2.0 * np.pi - 1e-6
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CylinderCandidate:
-    """A coaxial cylinder of the part: its `radius` (mm), total `area` (mm**2), whether it is `external`, whose it is."""
-
-    radius: float
-    area: float
-    external: bool
-    solids: tuple[int, ...]
-
-    def __repr__(self) -> str:
-        side = "outside" if self.external else "bore"
-        return (
-            f"CylinderCandidate(R {self.radius:.6g} mm {side}, {self.area:.6g} mm2, solids {shortened(str(list(self.solids)))})"
-        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Substrate:
-    """What is built on: `radius` (mm), the indices of the solids that stand already, the `reason` in words, warnings."""
+    """What is built on: `radius` (mm) and the `reason` in words; warnings.
+
+    `solids` are the indices of those that stand, `built` of those that are built beyond the radius, `alone` of those that are
+    left alone. `zones` are heights (low, high) in the axis frame, mm, in which the built solids' own metal stands: collars and
+    flanges that go on inwards through the radius where it has no land. `built_faces` are (index of the solid, number of the
+    face) that bound what is built. `roles` says all that in one line, `left_out` how much metal is not built.
+    """
 
     radius: float
     solids: tuple[int, ...]
     reason: str
     warnings: tuple[str, ...] = ()
+    built: tuple[int, ...] = ()
+    alone: tuple[int, ...] = ()
+    zones: tuple[tuple[float, float], ...] = ()
+    built_faces: frozenset[tuple[int, int]] = frozenset()
+    roles: str = ""
+    left_out: str = ""
 
     def __repr__(self) -> str:
-        stand = f", solids {list(self.solids)} stand" if self.solids else ""
+        stand = f", solids {shortened(str(list(self.solids)))} stand" if self.solids else ""
         return f"Substrate(R {self.radius:.6g} mm: {shortened(self.reason, 100)}{stand})"
-
-
-def beyond(radius: float) -> float:
-    """How far past `radius` (mm) there has to be metal before it counts, mm."""
-    return min(BEYOND, BEYOND_SHARE * radius)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Land:
-    """A candidate with its faces, {solid: numbers of faces}, and the angle (rad) that they cover together."""
-
-    candidate: CylinderCandidate
-    faces: dict[int, list[int]]
-    turn: float
-
-
-def coaxial_cylinders(part: Any, axis: Any = None) -> list[CylinderCandidate]:
-    """The part's cylinders about `axis`, the largest radius first; faces of one cylinder are counted together.
-
-    Parameters
-    ----------
-    part
-        A Part, or anything that `as_part` takes.
-    axis
-        As `as_axis` takes it; found by a vote of the faces if not given.
-    """
-    part = as_part(part)
-    return [land.candidate for land in _lands(part, as_axis(axis, part))]
-
-
-def _lands(part: Part, axis: Axis) -> list[_Land]:
-    from brep_slicer.kernel.revolutes import axis_votes
-
-    found: list[list[tuple]] = []
-    for solid in part.solids:
-        for vote in axis_votes(solid.wrapped):
-            if vote.radius is None or not _is_coaxial(vote, axis):
-                continue
-            home = next((f for f in found if _same_cylinder(f[0][1], vote)), None)
-            found.append([(solid.index, vote)]) if home is None else home.append((solid.index, vote))
-    return sorted((_land(votes) for votes in found), key=lambda land: -land.candidate.radius)
-
-
-def _same_cylinder(a, b) -> bool:
-    return abs(a.radius - b.radius) <= SAME_RADIUS and (a.outward > 0) == (b.outward > 0)
-
-
-def _land(votes: list[tuple]) -> _Land:
-    first = votes[0][1]
-    faces: dict[int, list[int]] = {}
-    for index, vote in votes:
-        faces.setdefault(index, []).append(vote.face)
-    candidate = CylinderCandidate(
-        radius=first.radius,
-        area=sum(vote.area for _, vote in votes),
-        external=first.outward > 0,
-        solids=tuple(sorted(faces)),
-    )
-    return _Land(candidate=candidate, faces=faces, turn=sum(vote.turn for _, vote in votes))
-
-
-def _is_coaxial(vote, axis: Axis) -> bool:
-    if float(np.linalg.norm(np.cross(vote.direction, axis.direction))) > SAME_DIRECTION:
-        return False
-    distance = float(np.linalg.norm(np.cross(axis.direction, vote.point - axis.origin)))
-    return distance <= max(SAME_PLACE * vote.radius, 1e-6)
 
 
 def find_substrate(
@@ -131,12 +63,10 @@ def find_substrate(
     *,
     reach: dict[int, float],
     radius: float | None = None,
-    solids: Sequence[int] | None = None,
+    build: Sequence[str | int] | None = None,
+    stands: Sequence[str | int] | None = None,
 ) -> Substrate:
-    """The cylinder to build on: by default the largest external coaxial one that metal stands on.
-
-    Metal stands on a cylinder where another face rises from an edge of its faces (or of a relief groove in them), or where
-    another solid that reaches farther out touches them; metal beyond its radius elsewhere on the part does not count.
+    """The cylinder to build on: by default the one that explains the part best (see `choice`), and every solid's role.
 
     Parameters
     ----------
@@ -146,48 +76,53 @@ def find_substrate(
         Outermost radius (mm) of each solid, by its index.
     radius : float, optional
         The substrate's radius if it is known.
-    solids : sequence of int, optional
-        Indices of the solids that stand already; by default those that own the substrate's cylinder while others reach
-        beyond it.
+    build, stands : sequence of str or int, optional
+        Names or indices of solids that are to be built, or that stand; the others' roles follow from how they touch.
 
     Raises
     ------
     InputError
-        If `radius` is no radius of this part.
+        If `radius` is no radius of this part, or there is no such solid.
     PlanningError
-        If the part has no cylinder to build on.
+        If the part has no cylinder to build on, or two readings of it are about as likely.
     """
-    highest = max(reach.values())
-    lands = _lands(part, axis)
-    candidates = [land.candidate for land in lands]
+    reaches = np.array([reach[s.index] for s in part.solids])
+    highest = float(reaches.max())
     if radius is not None:
         _check_given(part, radius, highest)
-        return Substrate(radius=radius, solids=_standing(part, candidates, radius, reach, solids), reason="given")
-    external = [
-        land for land in lands if land.candidate.external and highest > land.candidate.radius + beyond(land.candidate.radius)
-    ]
-    if external:
-        land, rule, warnings = _chosen_land(part, axis, external, reach)
-        return Substrate(
-            radius=land.candidate.radius,
-            solids=_standing(part, candidates, land.candidate.radius, reach, solids),
-            reason=f"{rule} ({_listed(candidates)})",
-            warnings=warnings,
-        )
-    bores = [c for c in candidates if not c.external and highest > c.radius + beyond(c.radius)]
-    if bores:
-        warning = (
-            f"no shaft surface belongs to the part: it is taken to sit on a shaft that fills its bore, R {bores[0].radius:g}"
-        )
-        return Substrate(
-            radius=bores[0].radius,
-            solids=_standing(part, candidates, bores[0].radius, reach, solids),
-            reason=f"largest coaxial bore ({_listed(candidates)})",
-            warnings=(warning,),
-        )
-    raise PlanningError(
-        f"{part.source}: there is no coaxial cylinder with metal beyond it to build on"
-        f" ({_listed(candidates)}; the part ends at {highest:.6g} mm); give one with --substrate RADIUS"
+    lands = lands_of(part, axis)
+    survey = survey_of(part, axis, levels_of(lands))
+    candidates = [land.candidate for land in lands]
+    if radius is not None:
+        ground, reason, warnings = _given_ground(survey, lands, radius), "given", []
+    else:
+        choice = chosen_ground(survey, lands, highest)
+        if choice is None:
+            raise PlanningError(
+                f"{part.source}: there is no coaxial cylinder with metal beyond it to build on"
+                f" ({listed(candidates)}; the part ends at {highest:.6g} mm); give one with --substrate RADIUS"
+            )
+        ground, warnings = choice.ground, _doubts_of_choice(choice)
+        reason = f"{choice.rule}{_runner_up(choice)} ({listed(candidates)})"
+    named = places_named(part, build, "--build"), places_named(part, stands, "--stands")
+    roles = roles_of(part, ground, reaches, build=named[0], stands=named[1])
+    if radius is None and roles.zones and _in_zones(part, ground, roles) > MOST_IN_ZONES:
+        # a cylinder that was chosen for what it carries is not one most of whose metal stands
+        roles = replace(roles, zones=())
+    built = _built_stretches(part, ground, roles)
+    lost, told = _left_out(part, ground, built, roles)
+    faces = _faces(ground, built)
+    return Substrate(
+        radius=ground.radius,
+        solids=roles.stand,
+        reason=reason,
+        warnings=(*warnings, *told, *doubts_of(part, axis, ground.radius, faces)),
+        built=roles.built,
+        alone=roles.alone,
+        zones=roles.zones,
+        built_faces=frozenset((part.solids[place].index, face) for place, face in faces),
+        roles=said(part, roles, ground.radius),
+        left_out=lost,
     )
 
 
@@ -206,63 +141,87 @@ def _check_given(part: Part, radius: float, highest: float) -> None:
         )
 
 
-def _chosen_land(part: Part, axis: Axis, lands: list[_Land], reach: dict[int, float]) -> tuple[_Land, str, tuple[str, ...]]:
-    """The largest land that metal stands on, the rule in words, and what is doubtful about it."""
-    from brep_slicer.kernel.standing import Lands
+def _given_ground(survey: Survey, lands: Sequence[Land], radius: float) -> Ground:
+    """The ground at a radius, with its land if the part has any there: outside, else in a bore."""
+    same = [land for land in lands if abs(land.candidate.radius - radius) <= max(SAME_RADIUS, 1e-6 * radius)]
+    external = [land for land in same if land.candidate.external]
+    faces: frozenset[tuple[int, int]] = frozenset().union(*(land.faces for land in external or same))
+    return Ground(survey=survey, radius=radius, faces=faces, external=bool(external) or not same)
 
-    solids = {s.index: Lands(s.wrapped, axis.origin, axis.direction) for s in part.solids}
-    stood_on = (land for land in lands if _stood_on(land, solids, reach))
-    land = next(stood_on, None)
-    if land is None:
-        first = lands[0].candidate.radius
-        doubt = f"no metal is seen to stand on R {first:.6g} itself, only beyond it; give another with --substrate RADIUS"
-        return lands[0], "largest external coaxial cylinder with metal beyond it", (doubt,)
-    rule = "largest external coaxial cylinder that metal stands on"
-    radius, area = land.candidate.radius, land.candidate.area
-    if land.turn > WHOLE_TURN:
-        return land, rule, ()
-    # the flat top of a lug, say, that a pin stands on, above the shaft that all the rest stands on
-    other = next((o.candidate for o in stood_on if o.candidate.area > area), None)
-    if other is None:
-        return land, rule, ()
-    doubt = (
-        f"the substrate R {radius:.6g} ({area:.4g} mm2) does not go all the way round; metal stands on R {other.radius:.6g}"
-        f" ({other.area:.4g} mm2) as well: is it --substrate {other.radius:.6g}?"
+
+def _runner_up(choice: Choice) -> str:
+    second = choice.runner_up
+    if second is None:
+        return ""
+    words = f"; the next best is {'' if second.external else 'the bore '}R {second.radius:.6g}"
+    share = second.left_out / second.survey.volume
+    return words + (f", which leaves {share:.0%} of the part out" if share > TOLD else "")
+
+
+def _doubts_of_choice(choice: Choice) -> list[str]:
+    radius = choice.ground.radius
+    if not choice.ground.external:
+        return [f"no shaft surface belongs to the part: it is taken to sit on a shaft that fills its bore, R {radius:g}"]
+    if not choice.carried:
+        return [
+            f"no metal is seen to stand on R {radius:.6g} itself, only beyond it; give another with --substrate RADIUS",
+        ]
+    return []
+
+
+def _built_stretches(part: Part, ground: Ground, roles: Roles) -> Array:
+    """(stretches,) of metal beyond the radius that is to be built."""
+    s = ground.survey.stretches
+    indices = np.array([solid.index for solid in part.solids])
+    built = (s.end > ground.radius + beyond(ground.radius)) & np.isin(indices[s.solid], roles.built)
+    built &= ~(ground.on_land & ground.external)
+    z = ground.survey.heights[s.ray // ground.survey.shape[1]]
+    for low, high in roles.zones:
+        built &= ~((z > low) & (z < high))
+    return built
+
+
+def _in_zones(part: Part, ground: Ground, roles: Roles) -> float:
+    """The share of the metal to be built that lies in the zones in which it stands."""
+    left, whole = (ground.volume(_built_stretches(part, ground, r)) for r in (roles, replace(roles, zones=())))
+    return 1.0 - left / whole if whole > 0.0 else 0.0
+
+
+def _faces(ground: Ground, built: Array) -> frozenset[tuple[int, int]]:
+    """(place of the solid, face) of the faces that bound what is built, beyond the radius."""
+    s = ground.survey.stretches
+    ends = np.stack([s.solid[built], s.last[built]], axis=1)
+    begins = built & (s.start > ground.radius + beyond(ground.radius))
+    starts = np.stack([s.solid[begins], s.first[begins]], axis=1)
+    return frozenset((int(a), int(b)) for a, b in np.unique(np.concatenate([ends, starts]), axis=0).tolist())
+
+
+def _left_out(part: Part, ground: Ground, built: Array, roles: Roles) -> tuple[str, list[str]]:
+    """What is not built, in one line, and as warnings where it is more than a detail (volumes to a few in a thousand)."""
+    survey, s, radius = ground.survey, ground.survey.stretches, ground.radius
+    beyond_all = s.volumes(survey.weights, inner=radius)
+    whole, lost = float(beyond_all.sum()), float(beyond_all[~built].sum())
+    lost = max(lost, 0.0)
+    share = lost / whole if whole > 0.0 else 0.0
+    inside = survey.loose_below(radius)
+    if not ground.external:
+        inside = float(s.volumes(survey.weights, outer=radius).sum())
+    within = inside / survey.volume
+    line = (
+        f"{lost:.3g} mm3 outside of R {radius:.6g} ({share:.1%} of the metal there), {inside:.3g} mm3 inside of it that is no"
+        f" turned body ({within:.1%} of the part)"
     )
-    return land, rule, (doubt,)
-
-
-def _stood_on(land: _Land, solids: dict, reach: dict[int, float]) -> bool:
-    """Whether metal rises from the land's own edges, or another solid that reaches farther out touches it."""
-    radius = land.candidate.radius
-    margin = beyond(radius)
-    if any(solids[i].stood_on(faces, radius, margin) for i, faces in land.faces.items()):
-        return True
-    return any(
-        solids[i].touched_by(faces, other.solid, margin)
-        for i, faces in land.faces.items()
-        for j, other in solids.items()
-        if j != i and reach[j] > radius + margin
-    )
-
-
-def _standing(part: Part, candidates, radius: float, reach: dict[int, float], solids) -> tuple[int, ...]:
-    if solids is not None:
-        known = {s.index for s in part.solids}
-        unknown = [i for i in solids if i not in known]
-        if unknown:
-            raise InputError(f"{part.source}: there is no solid {unknown[0]} to be the substrate; there are {sorted(known)}")
-        return tuple(solids)
-    if len(part.solids) == 1:
-        return ()
-    inside = {i for i, r in reach.items() if r <= radius + beyond(radius)}
-    owners = {i for c in candidates if c.external and abs(c.radius - radius) <= SAME_RADIUS for i in c.solids}
-    others = {i for i, r in reach.items() if r > radius + beyond(radius)} - owners
-    return tuple(sorted(inside | owners if others else inside))
-
-
-def _listed(candidates: list[CylinderCandidate]) -> str:
-    if not candidates:
-        return "coaxial cylinders: none"
-    words = [f"R {c.radius:.6g} {'outside' if c.external else 'bore'}" for c in candidates[:8]]
-    return "coaxial cylinders: " + ", ".join(words) + (", ..." if len(candidates) > 8 else "")
+    told = []
+    names = {solid.index: solid.name for solid in part.solids}
+    if roles.alone:
+        alone = ", ".join(f"{i} ({names[i]})" for i in roles.alone[:4]) + (", ..." if len(roles.alone) > 4 else "")
+        told.append(f"left alone, since nothing that is built or stands touches it: solid {alone}; --build builds it")
+    if share > TOLD:
+        why = "collars and flanges that stand, solids that stand or are left alone"
+        told.append(f"{lost:.4g} mm3 outside of R {radius:.6g} mm, {share:.1%} of the metal there, are not built: {why}")
+    if within > TOLD:
+        what = "metal inside of the bore" if not ground.external else "metal inside of it that is no turned body"
+        told.append(
+            f"left out below R {radius:.6g} mm: {inside:.4g} mm3, {within:.1%} of the part, {what} (teeth, lobes, spokes)"
+        )
+    return line, told

@@ -6,7 +6,7 @@ In: the solids that stand already. Out: boxes in (theta, z) with the radius that
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -27,6 +27,18 @@ class Obstacles:
     z_low: Array
     z_high: Array
     radius: Array
+
+    def within(self, zones: Sequence[tuple[float, float]]) -> Obstacles:
+        """Those whose middle lies between the heights (low, high) of one of the zones, mm."""
+        middle = 0.5 * (self.z_low + self.z_high)
+        inside = np.zeros(len(middle), dtype=bool)
+        for low, high in zones:
+            inside |= (middle >= low) & (middle <= high)
+        return Obstacles(**{f.name: getattr(self, f.name)[inside] for f in fields(self)})
+
+    def joined(self, other: Obstacles) -> Obstacles:
+        """These and the other ones."""
+        return Obstacles(**{f.name: np.concatenate([getattr(self, f.name), getattr(other, f.name)]) for f in fields(self)})
 
     def highest(self, start: Array, end: Array, margin: float, at_radius: float) -> Array:
         """Outermost radius (mm) in the sweeps from `start` to `end`, (m, 2) in (theta, z); 0 where nothing stands.

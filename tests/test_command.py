@@ -316,7 +316,7 @@ def test_the_command_writes_the_report_alone_and_says_which_layers_failed(tmp_pa
         assert [row["failed"] for row in report["layers"]] == [False, True, True, False]
         assert ("beads" in report["layers"][0]) == (code == 0)
     assert said.out.startswith("roles: ")
-        assert "\nsections: 2 by analytic, 2 failed" in said.out
+    assert "\nsections: 2 by analytic, 2 failed" in said.out
 
 
 def test_a_failed_sliver_of_a_last_layer_names_its_remedy(monkeypatch):

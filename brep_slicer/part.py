@@ -145,13 +145,14 @@ def _checked_part(pairs: list[tuple[str, Any]], *, source: str, unit: str, solid
     empty: list[str] = []
     for solid in part.solids:
         try:
-            wrapped, said = checked_solid(solid.wrapped, solid.name)
+            wrapped, facets, said = checked_solid(solid.wrapped, solid.name)
         except EmptySolidError:
             empty.append(repr(solid.name))
             continue
         except InputError as error:
             raise InputError(f"{source}: {error}") from None
         good.append(replace(solid, wrapped=wrapped))
+        good[-1].known["facets"] = facets
         notes.extend(said)
     if empty:
         named = f"solid {empty[0]} has" if len(empty) == 1 else f"{len(empty)} solids ({', '.join(empty[:MOST_NAMED])}"

@@ -1,4 +1,4 @@
-"""A solid as plane triangles, to look at it along many rays: for choices, never for a layer.
+"""A solid as plane triangles, to look at it along many rays, and to judge its bulk: for choices, never for a layer.
 
 In: a solid. Out: numpy arrays of corners and triangles, and of which face each triangle is.
 
@@ -7,11 +7,13 @@ Words: *facet*, a triangle whose corners lie on its face.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from OCP.Bnd import Bnd_Box
 from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Surface
+from OCP.BRepBndLib import BRepBndLib
 from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
 from OCP.gp import gp_Pnt2d
@@ -22,18 +24,18 @@ from OCP.TopLoc import TopLoc_Location
 
 from .compat import as_face, as_vertex, indexed_map, sub_shapes
 
-# How far a facet may leave its face: this share of the solid's reach, and this angle (rad) between neighbours; shares of
+# How far a facet may leave its face: this share of the solid's diagonal, and this angle (rad) between neighbours; shares of
 # metal are then good to a few in a thousand.
 DEFLECTION, ANGLE = 2e-3, 0.25
 # Cells a side on a face that OCCT's mesher leaves out.
 GRID = 64
 
 
-def facets_of(solid: Any, reach: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Facets of a solid whose size is about `reach` (mm).
+class Facets(NamedTuple):
+    """Facets of a solid.
 
-    Returns
-    -------
+    Attributes
+    ----------
     corners : ndarray, shape (n, 3)
         Points in the solid's frame, mm.
     triangles : ndarray, shape (m, 3)
@@ -41,9 +43,28 @@ def facets_of(solid: Any, reach: float) -> tuple[np.ndarray, np.ndarray, np.ndar
     faces : ndarray, shape (m,)
         The number of each triangle's face, in OCCT's order.
     """
+
+    corners: np.ndarray
+    triangles: np.ndarray
+    faces: np.ndarray
+
+    def turned(self) -> Facets:
+        """Seen from the other side."""
+        return self._replace(triangles=self.triangles[:, ::-1])
+
+    def bulk(self) -> tuple[float, float]:
+        """(volume in mm**3, negative where the triangles look inwards; area in mm**2)."""
+        middle = self.corners.mean(axis=0) if len(self.corners) else np.zeros(3)
+        a, b, c = (self.corners[self.triangles[:, k]] - middle for k in range(3))
+        across = np.cross(b - a, c - a)
+        return float((a * across).sum()) / 6.0, 0.5 * float(np.linalg.norm(across, axis=1).sum())
+
+
+def facets_of(solid: Any) -> Facets:
+    """Facets of a solid."""
     # of a copy, whose triangulation is thrown away: OCCT's boxes and booleans take account of one that a shape carries
     copied = BRepBuilderAPI_Copy(solid, False, False).Shape()
-    BRepMesh_IncrementalMesh(copied, DEFLECTION * reach, False, ANGLE, False)
+    BRepMesh_IncrementalMesh(copied, DEFLECTION * max(diagonal_of(copied), 1e-9), False, ANGLE, False)
     numbers = indexed_map()
     TopExp.MapShapes_s(copied, TopAbs_FACE, numbers)
     corners, triangles, faces = [np.zeros((0, 3))], [np.zeros((0, 3), dtype=int)], [np.zeros(0, dtype=int)]
@@ -57,7 +78,15 @@ def facets_of(solid: Any, reach: float) -> tuple[np.ndarray, np.ndarray, np.ndar
         triangles.append(count + (table[:, ::-1] if face.Orientation() == TopAbs_REVERSED else table))
         faces.append(np.full(len(table), numbers.FindIndex(face) - 1))
         count += len(points)
-    return np.concatenate(corners), np.concatenate(triangles), np.concatenate(faces)
+    return Facets(np.concatenate(corners), np.concatenate(triangles), np.concatenate(faces))
+
+
+def diagonal_of(shape: Any) -> float:
+    """Length of a shape's box from corner to corner, mm."""
+    box = Bnd_Box()
+    BRepBndLib.AddClose_s(shape, box)
+    low, high = box.CornerMin(), box.CornerMax()
+    return float(np.linalg.norm([high.X() - low.X(), high.Y() - low.Y(), high.Z() - low.Z()]))
 
 
 def _triangulation(face: Any) -> tuple[np.ndarray, np.ndarray] | None:

@@ -12,13 +12,17 @@ from __future__ import annotations
 import itertools
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from brep_slicer.maps import TURN, Array
-from brep_slicer.part import Part
+from brep_slicer.part import Part, Solid
 
 from .axis import Axis
+
+if TYPE_CHECKING:
+    from brep_slicer.kernel.facets import Facets
 
 # Rays round the axis (a prime, so that no pattern of teeth falls into step with them), and the least and the most stations.
 COLUMNS, STATIONS, MOST_STATIONS = 241, 160, 420
@@ -146,11 +150,10 @@ class Survey:
 
 def survey_of(part: Part, axis: Axis, levels: dict[int, dict[int, float]]) -> Survey:
     """Look at a part along rays about its axis; `levels` are the exact radii of coaxial faces, {solid's place: {face: mm}}."""
-    from brep_slicer.kernel.facets import corners_of, facets_of
+    from brep_slicer.kernel.facets import corners_of
 
     corners = [axis.axis_from_file(corners_of(solid.wrapped)) for solid in part.solids]
-    reach = float(np.linalg.norm(np.ptp(np.concatenate(corners), axis=0)))
-    found = [facets_of(solid.wrapped, reach) for solid in part.solids]
+    found = [_facets(solid) for solid in part.solids]
     meshes = [(axis.axis_from_file(points), triangles, faces) for points, triangles, faces in found]
     heights = np.concatenate([points[:, 2] for points, _, _ in meshes])
     edges = _station_edges(float(heights.min()), float(heights.max()), np.concatenate(corners)[:, 2])
@@ -172,16 +175,25 @@ def survey_of(part: Part, axis: Axis, levels: dict[int, dict[int, float]]) -> Su
     return Survey(heights=heights, edges=edges, stretches=joined, touching=touching)
 
 
+def _facets(solid: Solid) -> Facets:
+    """A solid's facets, made once."""
+    from brep_slicer.kernel.facets import facets_of
+
+    if "facets" not in solid.known:
+        solid.known["facets"] = facets_of(solid.wrapped)
+    return solid.known["facets"]
+
+
 def _touching(part: Part, s: Stretches) -> Array:
     """Which solids touch: seen along rays, or else asked of the kernel where their boxes meet."""
-    from scipy.cluster.hierarchy import DisjointSet
-
-    from brep_slicer.kernel.shapes import boxes_apart, distance_of
-
     count = len(part.solids)
     out = np.eye(count, dtype=bool)
     if count == 1:
         return out
+    from scipy.cluster.hierarchy import DisjointSet
+
+    from brep_slicer.kernel.shapes import boxes_apart, distance_of
+
     order = np.lexsort((s.start, s.ray))
     ray, solid, start, end = s.ray[order], s.solid[order], s.start[order], s.end[order]
     # known exactly where both faces are level, else as well as facets follow them

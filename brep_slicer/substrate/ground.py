@@ -190,19 +190,20 @@ def runs(flags: Array) -> list[tuple[int, int]]:
 
 
 def labelled(flags: Array) -> Array:
-    """Connected patches of a map, numbered from 1, across the seam too."""
-    from scipy.ndimage import label
+    """Connected patches of a map, numbered from 1, across the seam too; 0 elsewhere."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    number, count = label(flags)
-    pairs = number[:, [-1, 0]]
-    pairs = pairs[(pairs > 0).all(axis=1)]
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count + 1, count + 1))
-    _, joined = connected_components(graph, directed=False)
-    _, renumbered = np.unique(joined, return_inverse=True)
-    # patch 0, the background, is met first and stays 0
-    return renumbered[number]
+    cell = np.cumsum(flags.ravel()).reshape(flags.shape) - 1
+    beside = np.roll(flags, -1, axis=1) & flags
+    above = flags[1:] & flags[:-1]
+    a = np.concatenate([cell[beside], cell[:-1][above]])
+    b = np.concatenate([np.roll(cell, -1, axis=1)[beside], cell[1:][above]])
+    count = int(flags.sum())
+    graph = coo_array((np.ones(len(a), dtype=bool), (a, b)), shape=(count, count))
+    out = np.zeros(flags.shape, dtype=int)
+    out[flags] = connected_components(graph, directed=False)[1] + 1
+    return out
 
 
 def touching(number: Array, flags: Array) -> Array:

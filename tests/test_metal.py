@@ -185,3 +185,54 @@ def test_a_hole_is_measured_as_one():
 def test_no_random_plan_is_off_without_a_warning(seed):
     _, made = random_plan(np.random.default_rng(seed))
     assert not [f for f in metal_by_piece(made) if abs(f.share - 1.0) > 0.02 and not f.named]
+
+
+def at(region_or_points, kappa):
+    return [(x + kappa, y) for x, y in region_or_points]
+
+
+@pytest.mark.parametrize("pattern", [p for p in bs.InnerPattern if p.value not in ("rings", "helix")])
+def test_equal_pieces_get_equal_beads_and_others_their_own(pattern):
+    from brep_slicer.fill.copies import copies_of
+    from brep_slicer.region import Region
+
+    corners = [(0.0, 0.0), (17.0, 3.0), (19.0, 31.0), (-2.0, 26.0)]
+    taller = [*corners[:2], (19.0, 31.5), corners[3]]
+    pieces = tuple(
+        polygon(*at(c, k)).pieces[0] for c, k in ((corners, -58.0), (taller, -30.0), (corners, 2.3), (corners, 36.0))
+    )
+    assert copies_of(pieces).first == (0, 1, 0, 0)
+    region = Region(radius=R, pieces=pieces)
+    fill = fill_layer(layer_of(region), PROCESS.updated(pattern=pattern, order="pattern"))
+    mine = [[b for b in fill.beads if b.piece == i] for i in range(4)]
+    for number, shift in ((2, 60.3), (3, 94.0)):
+        assert len(mine[number]) == len(mine[0]) > 0
+        for one, other in zip(mine[0], mine[number], strict=True):
+            assert other.points == pytest.approx(one.points + np.array([shift, 0.0]), abs=1e-9)
+            assert other.speed == pytest.approx(one.speed, abs=1e-9)
+    # each as it would be alone
+    for number, piece in enumerate(pieces[:2]):
+        alone = fill_layer(layer_of(Region(radius=R, pieces=(piece,))), PROCESS.updated(pattern=pattern, order="pattern"))
+        assert fill.metal[number] == pytest.approx(alone.metal[0], abs=1e-9)
+        for one, other in zip(alone.beads, mine[number], strict=True):
+            assert other.points == pytest.approx(one.points, abs=1e-6)
+
+
+def test_a_pattern_that_knows_where_it_is_fills_each_piece_by_itself():
+    from dataclasses import dataclass
+
+    from brep_slicer.fill import Bead, Pattern
+    from brep_slicer.fill.pattern import CellFill
+    from brep_slicer.region import Region
+
+    @dataclass(frozen=True)
+    class Across(Pattern):
+        def fill(self, cell):
+            low, v0, high, v1 = cell.piece.bounds()
+            kappa = max(low, min(high, 10.0 * math.ceil(low / 10.0)))
+            return CellFill(beads=(Bead(points=[(kappa, v0), (kappa, v1)], kind=BeadKind.HATCH, piece=cell.index),), inset=0.0)
+
+    square = [(0.0, 0.0), (15.0, 0.0), (15.0, 15.0), (0.0, 15.0)]
+    region = Region(radius=R, pieces=tuple(polygon(*at(square, k)).pieces[0] for k in (1.0, 26.0)))
+    fill = fill_layer(layer_of(region), PROCESS, lambda layer, piece: Across())
+    assert [b.points[0, 0] for b in fill.beads] == [10.0, 30.0]

@@ -36,6 +36,7 @@ class Automatic(Pattern):
     The hatch is stretched so that its outermost lines lie at the inset on both sides, by `stretch` (a share of d) at most.
     """
 
+    turns_along = True
     angle: float = 0.0
     both_ways: bool = True
     outwards: bool = False

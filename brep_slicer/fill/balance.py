@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from brep_slicer.maps import Array
 from .bead import Bead, BeadKind, LayerFill
 from .inset import window_of
 from .lobes import QUARTER_SEGMENTS, Shape
-from .metal import ROUND_END, metal_of
+from .metal import ROUND_END, courses_of, metal_of
 from .nearest import amounts_by_nearest
 from .scanlines import directions
 from .strips import strip_areas
@@ -84,16 +85,25 @@ def grown(shape: Shape, distance: float):
 
 
 def metal_shares(
-    beads: Sequence[Bead], shapes: Sequence[Shape], *, step_over: float, width: float, inset: float
+    beads: Sequence[Bead],
+    shapes: Sequence[Shape],
+    *,
+    step_over: float,
+    width: float,
+    inset: float,
+    copies: Sequence[int] = (),
 ) -> tuple[float, ...]:
-    """For each piece its beads' metal over what it needs."""
+    """For each piece its beads' metal over what it needs; `copies` need what the piece that they equal does."""
     metal = metal_of(beads, step_over=step_over, width=width)
     pieces = np.array([bead.piece for bead in beads], dtype=int)
     laid = np.bincount(pieces, weights=metal, minlength=len(shapes)).tolist()
     mine: list[list[Bead]] = [[] for _ in shapes]
     for bead in beads:
         mine[bead.piece].append(bead)
-    wanted = [wanted_area(s, each, inset=inset, step_over=step_over) for s, each in zip(shapes, mine, strict=True)]
+    wanted: list[float] = []
+    for i, (shape, each) in enumerate(zip(shapes, mine, strict=True)):
+        leader = copies[i] if copies else i
+        wanted.append(wanted_area(shape, each, inset=inset, step_over=step_over) if leader == i else wanted[leader])
     return tuple(have / need if need > 0.0 else 0.0 for have, need in zip(laid, wanted, strict=True))
 
 
@@ -116,6 +126,12 @@ def with_balanced_metal(
     out = list(fill.beads)
     amounts = (1.0 / limits[1], 1.0 / limits[0])
     for index, numbers in mine.items():
+        leader = index if even or not fill.copies else fill.copies[index]
+        if leader != index:
+            for i, k in zip(numbers, mine[leader], strict=True):
+                way = fill.beads[i].points[0] - fill.beads[k].points[0]
+                out[i] = replace(fill.beads[i], points=out[k].points + way, speed=out[k].speed)
+            continue
         shape = fill.shapes[index]
         task = _Task(
             shape=shape,
@@ -134,20 +150,21 @@ def with_balanced_metal(
 def _scaled(task: _Task, laid: Laid) -> list[Bead]:
     """The beads with their amounts within the limits, all scaled so that they hold the metal that they have to."""
     low, high = task.limits
-    amounts = [np.clip(a, low, high) for a in laid.amounts]
-    beads = task.made(laid.points, amounts)
+    courses = courses_of(laid.points, [bead.closed for bead in task.beads], task.width)
+    chosen = np.concatenate(laid.amounts)
+    amounts = np.clip(chosen, low, high)
     factor = 1.0
     for _ in range(4):
-        metal = float(metal_of(beads, step_over=task.step_over, width=task.width).sum())
+        metal = float(courses.metal(1.0 / amounts, task.step_over).sum())
         if abs(metal - laid.served) <= CLOSE * laid.served or metal <= 0.0:
             break
         factor = min(max(factor * laid.served / metal, 1.0 - laid.most), 1.0 + laid.most)
-        amounts = [np.clip(factor * a, low, high) for a in laid.amounts]
-        beads = task.made(laid.points, amounts)
-    return beads
+        amounts = np.clip(factor * chosen, low, high)
+    speeds = np.split(1.0 / amounts, courses.first[1:])
+    return [replace(b, points=p, speed=s) for b, p, s in zip(task.beads, laid.points, speeds, strict=True)]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class _Task:
     """One piece with its beads."""
 
@@ -159,10 +176,7 @@ class _Task:
     border: float
     limits: tuple[float, float]
 
-    def made(self, points: list[Array], amounts: list[Array]) -> list[Bead]:
-        return [replace(b, points=p, speed=1.0 / a) for b, p, a in zip(self.beads, points, amounts, strict=True)]
-
-    @property
+    @cached_property
     def wanted(self) -> float:
         return wanted_area(self.shape, self.beads, inset=self.inset, step_over=self.step_over)
 
@@ -288,8 +302,8 @@ class _Task:
         counts = np.cumsum([len(p) for p in points])[:-1]
         widths = 2.0 * shapely.distance(shapely.points(np.concatenate(points)), edge)
         amounts = np.split(np.maximum(widths / self.step_over, 1e-6), counts)
-        beads = [replace(self.beads[i], points=p, speed=1.0 / a) for i, p, a in zip(numbers, points, amounts, strict=True)]
-        metal = float(metal_of(beads, step_over=self.step_over, width=self.width).sum())
+        courses = courses_of(points, [self.beads[i].closed for i in numbers], self.width)
+        metal = float(courses.metal(1.0 / np.concatenate(amounts), self.step_over).sum())
         return Laid(points=points, amounts=[a * area / metal for a in amounts], served=area, most=MOST_ELSE)
 
 

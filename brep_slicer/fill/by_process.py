@@ -128,18 +128,19 @@ def fill_layer(layer: Layer, process: Process, pattern: PatternChoice | None = N
         shortest_bead=process.value("shortest_bead"),
     )
     if process.spread_starts:
-        fill = replace(fill, beads=with_spread_starts(fill.beads, layer.index))
+        # rings of equal pieces start at different places
+        fill = replace(fill, beads=with_spread_starts(fill.beads, layer.index), copies=())
+    fill = _at_its_speed(layer, fill, process)
     if process.order is Order.SHORTEST:
         fill = replace(fill, beads=_in_short_order(fill.beads, layer, process))
     if process.rest_s:
         fill = _cooled(fill, process)
     if process.alternate and layer.index % 2 == 1:
         fill = replace(fill, beads=tuple(bead.reversed() for bead in fill.beads[::-1]))
-    fill = _at_its_speed(layer, fill, process)
     beads = with_overlap(fill.beads, process.closing_overlap)
     beads = tuple(_at_contour_speed(bead, process) for bead in beads)
     sizes = {"step_over": process.step_over, "width": process.width, "inset": process.value("inset")}
-    metal = metal_shares(beads, fill.shapes, **sizes)
+    metal = metal_shares(beads, fill.shapes, copies=fill.copies, **sizes)
     return replace(fill, beads=beads, metal=metal, notes=(*fill.notes, *_off_balance(metal)))
 
 

@@ -22,6 +22,7 @@ from .pattern import Cell, CellFill, Pattern
 class Contours(Pattern):
     """`count` contours from the outline inwards (None: as many as fit); `outwards` deposits the innermost first."""
 
+    turns_along = True
     count: int | None = 1
     outwards: bool = False
 

@@ -42,6 +42,7 @@ class FlankFollowing(Pattern):
     the skeleton fill what stays bare, as at the tips of a blade.
     """
 
+    turns_along = True
     both_ways: bool = True
     closest: float = 0.75
     widest: float = 1.25

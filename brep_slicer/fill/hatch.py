@@ -36,6 +36,7 @@ class Hatch(Pattern):
     of the axis frame), if that is given.
     """
 
+    turns_along = True
     angle: float = 0.0
     both_ways: bool = True
     stretch: float = 0.0

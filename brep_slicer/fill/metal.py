@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,24 +22,42 @@ from .bead import Bead
 ROUND_END = 3.0 * math.pi / 32.0
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Courses:
+    """Beads as arrays: where each one's points begin (`first`) and end (`last`) among all, the `steps` (N,) from point to point
+    (0 after a bead's last), and the length that its two round ends hold each (`ends`, mm)."""
+
+    first: Array
+    last: Array
+    steps: Array
+    ends: Array
+
+    def metal(self, speed: Array, step_over: float) -> Array:
+        """The metal of each bead over t, (n,), mm**2, at speed factors (N,) at all points."""
+        # the toolpath lays a segment at the mean of the speeds at its ends
+        mean = 0.5 * (speed + np.append(speed[1:], speed[-1]))
+        lengths = np.add.reduceat(self.steps / mean, self.first)
+        return step_over * (lengths + self.ends * (1.0 / speed[self.first] + 1.0 / speed[self.last]))
+
+
+def courses_of(points: Sequence[Array], closed: Sequence[bool], width: float) -> Courses:
+    """The courses of beads through `points`, of which those that are `closed` have no ends."""
+    last = np.cumsum([len(p) for p in points]) - 1
+    flat = np.concatenate(points)
+    steps = np.hypot(*np.diff(flat, axis=0, append=flat[-1:]).T)
+    steps[last] = 0.0
+    first = np.append(0, last[:-1] + 1)
+    return Courses(first=first, last=last, steps=steps, ends=np.where(closed, 0.0, ROUND_END * width))
+
+
 def metal_of(beads: Sequence[Bead], *, step_over: float, width: float) -> Array:
     """The metal of each bead over t, (n,), mm**2."""
     if not beads:
         return np.zeros(0)
-    counts = np.array([len(bead.points) for bead in beads])
-    points = np.concatenate([bead.points for bead in beads])
+    courses = courses_of([bead.points for bead in beads], [bead.closed for bead in beads], width)
     plain = all(bead.speed is None for bead in beads)
-    speed = np.ones(len(points)) if plain else np.concatenate([_factors(bead) for bead in beads])
-    last = np.cumsum(counts) - 1
-    first = last - counts + 1
-    steps = np.hypot(*np.diff(points, axis=0, append=points[-1:]).T)
-    # the toolpath lays a segment at the mean of the speeds at its ends
-    mean = 0.5 * (speed + np.append(speed[1:], speed[-1]))
-    share = steps / mean
-    share[last] = 0.0
-    lengths = np.add.reduceat(share, first)
-    ends = np.where([bead.closed for bead in beads], 0.0, ROUND_END * width * (1.0 / speed[first] + 1.0 / speed[last]))
-    return step_over * (lengths + ends)
+    speed = np.ones(len(courses.steps)) if plain else np.concatenate([_factors(bead) for bead in beads])
+    return courses.metal(speed, step_over)
 
 
 def _factors(bead: Bead) -> Array:

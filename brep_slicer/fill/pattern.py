@@ -11,12 +11,16 @@ from __future__ import annotations
 import abc
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
 
 from brep_slicer.notices import AREA, Notice, NoticeKind
 from brep_slicer.region import Piece, Region
 from brep_slicer.wording import shortened
 
 from .bead import Bead, LayerFill
+from .copies import Copies, copies_of
 from .lobes import Shape
 
 
@@ -60,6 +64,9 @@ class Pattern(abc.ABC):
 
     __slots__ = ()
 
+    # Whether pieces that equal each other but for a turn about the axis get beads that do: such are then filled once only.
+    turns_along: ClassVar[bool] = False
+
     @abc.abstractmethod
     def fill(self, cell: Cell) -> CellFill:
         """The beads of one cell, in the order of deposition."""
@@ -79,6 +86,11 @@ class PatternSequence(Pattern):
 
     patterns: tuple[Pattern, ...]
     overlap: float = 0.0
+
+    @property
+    def turns_along(self) -> bool:  # type: ignore[override]
+        """Whether all of them do."""
+        return all(pattern.turns_along for pattern in self.patterns)
 
     def __repr__(self) -> str:
         names = ", ".join(type(pattern).__name__ for pattern in self.patterns)
@@ -121,14 +133,33 @@ def _narrow(cell: Cell, shortest_bead: float) -> tuple[list[Bead], str]:
     return beads, "one bead along its skeleton instead, wider than the piece" if beads else "left bare"
 
 
-def _fills(cells: Sequence[Cell], patterns: Sequence[Pattern]) -> list[CellFill]:
-    """Each cell's fill; cells with equal patterns are filled together."""
+def _fills(cells: Sequence[Cell], patterns: Sequence[Pattern]) -> tuple[list[CellFill], Copies]:
+    """Each cell's fill; cells with equal patterns are filled together, of equal ones the first only. And which are equal."""
+    copies = copies_of([cell.piece for cell in cells])
+    first = [
+        k if p.turns_along and (patterns[k] is p or patterns[k] == p) else i
+        for i, (p, k) in enumerate(zip(patterns, copies.first, strict=True))
+    ]
+    copies = replace(copies, first=tuple(first))
     found: dict[int, CellFill] = {}
-    for first, pattern in enumerate(patterns):
-        if first not in found:
-            alike = [i for i in range(first, len(cells)) if patterns[i] is pattern or patterns[i] == pattern]
+    leaders = copies.leaders
+    for k, leader in enumerate(leaders):
+        if leader not in found:
+            pattern = patterns[leader]
+            alike = [i for i in leaders[k:] if patterns[i] is pattern or patterns[i] == pattern]
             found.update(zip(alike, pattern.fill_all([cells[i] for i in alike]), strict=True))
-    return [found[i] for i in range(len(cells))]
+    out = [
+        found[i] if i == k else _turned(found[k], cells[i], shift)
+        for i, (k, shift) in enumerate(zip(copies.first, copies.shift, strict=True))
+    ]
+    return out, copies
+
+
+def _turned(made: CellFill, cell: Cell, shift: float) -> CellFill:
+    """The fill of an equal piece, `shift` (mm) further round."""
+    way = np.array([shift, 0.0])
+    beads = tuple(replace(bead, points=bead.points + way, piece=cell.index) for bead in made.beads)
+    return replace(made, beads=beads, shape=None)
 
 
 def fill_region(
@@ -166,7 +197,7 @@ def fill_region(
         Cell(piece=piece, index=index, inset=inset, step_over=step_over, width=width, chord=chord)
         for index, piece in enumerate(region.pieces)
     ]
-    fills = _fills(cells, [pattern if isinstance(pattern, Pattern) else pattern(cell.piece) for cell in cells])
+    fills, copies = _fills(cells, [pattern if isinstance(pattern, Pattern) else pattern(cell.piece) for cell in cells])
     for index, (cell, made) in enumerate(zip(cells, fills, strict=True)):
         long = [bead for bead in made.beads if not shortest_bead or bead.length() >= shortest_bead]
         notes += [Notice(kind=NoticeKind.PATTERN, text=note, pieces=(index,)) for note in made.notes]
@@ -190,4 +221,5 @@ def fill_region(
         patterns=tuple(made.used for made in fills),
         border=tuple(made.border for made in fills),
         shapes=tuple(made.shape or Shape(c.piece, width, chord) for c, made in zip(cells, fills, strict=True)),
+        copies=copies.first,
     )

@@ -36,6 +36,8 @@ SAME_PLACE = 1e-7
 class Skeleton(Pattern):
     """One bead along each branch of the skeleton of what is bare: of the whole piece, or of what other beads left."""
 
+    turns_along = True
+
     def fill(self, cell: Cell) -> CellFill:
         import shapely
 
@@ -91,7 +93,7 @@ def _branches(polygon, cell: Cell) -> list:
     axis = medial_axis(polygon, chord=cell.chord)
     keep = axis.angle > CORNER
     pieces = np.stack([axis.starts[keep], axis.ends[keep]], axis=1)
-    lines = shapely.MultiLineString(list(pieces))
+    lines = shapely.multilinestrings(shapely.linestrings(pieces))
     # into a sharp corner a bead runs until its round end reaches it
     ends = shapely.points(pieces.reshape(-1, 2))
     corners = ends[shapely.distance(polygon.boundary, ends) < 10.0 * SAME_PLACE] if len(pieces) else ends

@@ -35,6 +35,7 @@ class Spiral(Pattern):
     Round a full turn the spiral is a helix with closing rings. A piece with holes gets contours round each hole's nest.
     """
 
+    turns_along = True
     outwards: bool = False
 
     def fill(self, cell: Cell) -> CellFill:

@@ -20,6 +20,7 @@ from .scanlines import directions
 class Zigzag(Pattern):
     """Parallel lines at `angle` (rad), laid without a stop from one to the next wherever the way between them is free."""
 
+    turns_along = True
     angle: float = 0.0
 
     def fill(self, cell: Cell) -> CellFill:

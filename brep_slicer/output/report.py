@@ -43,7 +43,13 @@ def report_of_plan(plan: PlanSections) -> dict[str, Any]:
     return {
         **header_of_plan(plan),
         "solids": [
-            {"index": s.index, "name": s.name, "stands_already": s.index in plan.substrate.solids} for s in plan.part.solids
+            {
+                "index": s.index,
+                "name": s.name,
+                "stands_already": s.index in plan.substrate.solids,
+                "built": s.index in plan.substrate.built,
+            }
+            for s in plan.part.solids
         ],
         "axis_was_given": plan.axis_was_given,
         "substrate": {

@@ -9,9 +9,11 @@ there is enough of it at one place. In this order:
 2. What building on it would leave out (teeth, thread and lobes inside of it, what beyond it is carried by something else) may
    be at most LEFT_OUT of the part more than with the land that leaves out least.
 3. Outside lands come before bores: a shaft that fills a bore is not in the file.
-4. A land that neither goes round at one place nor has a tenth of the area of the largest is the top of a lug or of a flange.
-5. A land that leaves something out gives way to one that leaves less out and has twice its area: collars and oil slingers
-   stand on the shaft that webs stand on.
+4. A land that does not go round at one place, together with what stands on it, and has not even a tenth of the area of the
+   largest, is the top of a lug or of a flange.
+5. A land that leaves something out gives way to one that leaves less out, if that has twice its area (collars and oil slingers
+   stand on the shaft that webs stand on), or if what it saves is a good share of what has to be built for it (a cam's base
+   circle, for the boss beside it; not the thin end of a shaft, for a finger on it).
 6. Of what is left, the largest: the less is built the better.
 """
 
@@ -28,6 +30,8 @@ from .survey import Survey
 LEFT_OUT = 0.06
 # Metal left out is told of from this share of the part on; an area is much larger from so many times on.
 TOLD, MUCH_LARGER = 0.02, 2.0
+# Metal that another land saves is worth building on it when it is this share of what has to be built besides.
+WORTH = 0.2
 # A land that does not go round at one place and has less than this share of the largest one's area there is a detail.
 SMALL_PLACE = 0.1
 # Another solid lies on a land when the metal beyond is at least this share of all, and bores count likewise.
@@ -77,11 +81,15 @@ def ground_of(survey: Survey, land: Land) -> Ground:
 
 
 def _gives_way(ground: Ground, others: list[Ground], volume: float) -> bool:
-    """Whether another land leaves less out, by what is told of, and has much more area."""
-    return any(
-        g.left_out + TOLD * volume <= ground.left_out and _best_place(g)[0] >= MUCH_LARGER * _best_place(ground)[0]
-        for g in others
-    )
+    """Whether another land leaves less out, by what is told of, and is much larger or not much more to build."""
+    for other in others:
+        saved = ground.left_out - other.left_out
+        if not ground.external or saved < TOLD * volume:
+            continue
+        more = other.volume(other.carried) - ground.volume(ground.carried)
+        if _best_place(other)[0] >= MUCH_LARGER * _best_place(ground)[0] or saved >= WORTH * more:
+            return True
+    return False
 
 
 def _best_place(ground: Ground) -> tuple[float, bool]:

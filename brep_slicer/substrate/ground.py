@@ -28,6 +28,8 @@ LOOSE_SHARE = 0.1
 RIM = 0.9
 # Land goes round at one place when no gap between its rays is wider than this share of a turn.
 WIDEST_GAP = 0.15
+# ... and what stands on it does when no gap is wider than this: two lobes are half a turn apart, a lug on a flange a whole one.
+WIDEST_BETWEEN = 0.55
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -137,32 +139,39 @@ class Ground:
 
     @cached_property
     def places(self) -> list[tuple[float, bool]]:
-        """For each place: the area (mm**2) of land and feet there, and whether the land goes round."""
+        """For each place: the area (mm**2) of land and feet there, and whether both the land and what stands on it go round."""
         holds: Array = np.any(self.land, axis=1)
         ground = self.land | (self.feet[0] > 0)
         out = []
         for first, last in runs(holds):
             area = self.radius * self.survey.weights.reshape(self.survey.shape)[first:last][ground[first:last]].sum()
-            angles = np.flatnonzero(self.land[first:last].any(axis=0))
-            gaps = np.diff(np.append(angles, angles[0] + COLUMNS))
-            out.append((float(area), bool(gaps.max() <= WIDEST_GAP * COLUMNS)))
+            stands = self._map(self.survey.stretches.ray[self.carried])[first:last]
+            goes_round = _widest_gap(self.land[first:last]) <= WIDEST_GAP and _widest_gap(stands) <= WIDEST_BETWEEN
+            out.append((float(area), goes_round))
         return out
 
-    @cached_property
-    def shoulders(self) -> list[tuple[int, int]]:
-        """Stations (first, past the last) of feet that stand: turned metal all the way round, with land on one side at most."""
-        number, _ = self.feet
+    def shoulders(self, solids: Iterable[int], *, turned: bool = True) -> list[tuple[int, int]]:
+        """Stations (first, past the last) of feet of some solids (their places in the part) that stand.
+
+        Such feet are metal all the way round, with land on one side at most, and what they carry is `turned`, if that is asked.
+        """
         s = self.survey.stretches
+        through = self.through & np.isin(s.solid, list(solids))
+        number = labelled(self._map(s.ray[through]))
         out = []
         bridged: Array = np.any(self._bridged, axis=1)
         for foot in range(1, int(number.max(initial=0)) + 1):
             here = number == foot
             rows = np.flatnonzero(here.any(axis=1))
-            if not here.all(axis=1)[rows].all():
-                continue
             first, last = int(rows[0]), int(rows[-1]) + 1
-            sides = [bool(bridged[i]) for i in (first - 1, last) if 0 <= i < len(bridged)]
-            if sum(sides) < 2 and self._is_turned(self.through & here.ravel()[s.ray]):
+            full = here.all(axis=1)
+            # what is not turned has to close the turn where it meets the land
+            met = [
+                row for row, beside in ((first, first - 1), (last - 1, last)) if 0 <= beside < len(bridged) and bridged[beside]
+            ]
+            if not full[rows if turned else met].all():
+                continue
+            if len(met) < 2 and (not turned or self._is_turned(through & here.ravel()[s.ray])):
                 out.append((first, last))
         return out
 
@@ -175,6 +184,14 @@ class Ground:
         rim = np.zeros(COLUMNS)
         np.maximum.at(rim, metal.ray % COLUMNS, metal.end)
         return bool((rim >= self.radius + RIM * (rim.max() - self.radius)).mean() >= TURNED)
+
+
+def _widest_gap(flags: Array) -> float:
+    """The widest gap between the columns of flagged rays, as a share of a turn; 1 where there are none."""
+    angles = np.flatnonzero(np.any(flags, axis=0))
+    if not len(angles):
+        return 1.0
+    return float(np.diff(np.append(angles, angles[0] + COLUMNS)).max()) / COLUMNS
 
 
 def flagged(solid: Array, face: Array, faces: Iterable[tuple[int, int]]) -> Array:

@@ -18,7 +18,7 @@ from brep_slicer.wording import shortened
 from .axis import Axis
 from .choice import TOLD, Choice, chosen_ground
 from .doubts import doubts_of
-from .ground import Ground
+from .ground import Ground, flagged
 from .lands import SAME_RADIUS, CylinderCandidate, Land, beyond, coaxial_cylinders, lands_of, levels_of, listed
 from .roles import Roles, places_named, roles_of, said
 from .survey import Survey, survey_of
@@ -27,6 +27,8 @@ __all__ = ["CylinderCandidate", "Substrate", "coaxial_cylinders", "find_substrat
 
 # Collars that hold more than this share of what is to be built stand only on a radius that was asked for.
 MOST_IN_ZONES = 0.5
+# So many collars, solids or steps are named in one line.
+MOST_NAMED = 3
 # A substrate of less than this share of the part's radius has no arc lengths to speak of, and no floating point to hold them.
 LEAST_SHARE = 1e-6
 
@@ -116,7 +118,12 @@ def find_substrate(
         radius=ground.radius,
         solids=roles.stand,
         reason=reason,
-        warnings=(*warnings, *told, *doubts_of(part, axis, ground.radius, faces)),
+        warnings=(
+            *warnings,
+            *told,
+            *_stepped_foot(part, ground, lands, roles, asked=named[0]),
+            *doubts_of(part, axis, ground.radius, faces),
+        ),
         built=roles.built,
         alone=roles.alone,
         zones=roles.zones,
@@ -196,6 +203,41 @@ def _faces(ground: Ground, built: Array) -> frozenset[tuple[int, int]]:
     return frozenset((int(a), int(b)) for a, b in np.unique(np.concatenate([ends, starts]), axis=0).tolist())
 
 
+def _why(part: Part, roles: Roles) -> str:
+    """What it is that is not built, in words."""
+    names = {solid.index: solid.name for solid in part.solids}
+    words = [f"collars and flanges that stand, at z {a:.6g} to {b:.6g} mm" for a, b in roles.zones[:MOST_NAMED]]
+    for group, what in ((roles.stand, "stands"), (roles.alone, "is left alone")):
+        words += [f"solid {i} ({shortened(names[i])}) {what}" for i in group[:MOST_NAMED]]
+    return ", ".join(words) or "details that rays miss"
+
+
+def _stepped_foot(part: Part, ground: Ground, lands: Sequence[Land], roles: Roles, *, asked: frozenset[int]) -> list[str]:
+    """A doubt about turned metal with several steps that goes on through the radius in one piece, of which all is built.
+
+    A worn journal and the collar beside it, drawn at full size in one solid with no land between them: which of the steps is to
+    be built on a smaller radius cannot be told.
+    """
+    places = [i for i, solid in enumerate(part.solids) if solid.index in roles.built and i not in asked]
+    if not ground.external or roles.zones or not places:
+        return []
+    s, edges = ground.survey.stretches, ground.survey.edges
+    station = s.ray // ground.survey.shape[1]
+    out = []
+    for first, last in ground.shoulders(places):
+        here = (station >= first) & (station < last)
+        above = [x for x in lands if x.candidate.external and x.candidate.radius > ground.radius + beyond(ground.radius)]
+        radii = sorted({x.candidate.radius for x in above if (flagged(s.solid, s.last, x.faces) & here).any()})
+        if len(radii) > 1:
+            steps = ", ".join(f"R {r:.6g}" for r in radii[:MOST_NAMED])
+            out.append(
+                f"turned metal with the steps {steps} goes on through R {ground.radius:.6g} mm in one piece, z"
+                f" {edges[first]:.6g} to {edges[last]:.6g} mm, and all of it is built: if some of it stands, give what is to be"
+                " built as a solid of its own, or a larger --substrate"
+            )
+    return out
+
+
 def _left_out(part: Part, ground: Ground, built: Array, roles: Roles) -> tuple[str, list[str]]:
     """What is not built, in one line, and as warnings where it is more than a detail (volumes to a few in a thousand)."""
     survey, s, radius = ground.survey, ground.survey.stretches, ground.radius
@@ -217,8 +259,9 @@ def _left_out(part: Part, ground: Ground, built: Array, roles: Roles) -> tuple[s
         alone = ", ".join(f"{i} ({names[i]})" for i in roles.alone[:4]) + (", ..." if len(roles.alone) > 4 else "")
         told.append(f"left alone, since nothing that is built or stands touches it: solid {alone}; --build builds it")
     if share > TOLD:
-        why = "collars and flanges that stand, solids that stand or are left alone"
-        told.append(f"{lost:.4g} mm3 outside of R {radius:.6g} mm, {share:.1%} of the metal there, are not built: {why}")
+        told.append(
+            f"{lost:.4g} mm3 outside of R {radius:.6g} mm, {share:.1%} of the metal there, are not built: {_why(part, roles)}"
+        )
     if within > TOLD:
         what = "metal inside of the bore" if not ground.external else "metal inside of it that is no turned body"
         told.append(

@@ -127,6 +127,10 @@ def _stands_wholly(part: Part, ground: Ground, owner: int, stands: frozenset[int
     laid, own = ground.volume(layers), ground.above & (s.solid == owner)
     if laid <= 0.0:
         return False
+    # webs of a crankshaft on either side of its pin: no turned metal, but none that stands on the land as a feature does
+    station = s.ray // ground.survey.shape[1]
+    for first, last in ground.shoulders([owner], turned=False):
+        own &= ~ground.reached(own & ground.through & (station >= first) & (station < last))
     whole = ground.volume(own)
     loose = float(ground.survey.loose_volumes(s.chosen(own), inner=ground.radius).sum())
     if loose <= max(LOOSE_SHARE * whole, NOTHING * laid):
@@ -144,7 +148,7 @@ def _stands_wholly(part: Part, ground: Ground, owner: int, stands: frozenset[int
 
 def _zones(ground: Ground, built: set[int], count: int) -> tuple[tuple[float, float], ...]:
     """Heights (mm) of shoulders, if anything else is built; up to the next foot that is none, since collars may overhang."""
-    shoulders = ground.shoulders
+    shoulders = ground.shoulders(built)
     if not ground.external or not shoulders:
         return ()
     s, edges = ground.survey.stretches, ground.survey.edges

@@ -114,16 +114,12 @@ def find_substrate(
     built = _built_stretches(part, ground, roles)
     lost, told = _left_out(part, ground, built, roles)
     faces = _faces(ground, built)
+    doubts = [*_stepped_foot(part, ground, lands, roles, asked=named[0]), *doubts_of(part, axis, ground.radius, faces)]
     return Substrate(
         radius=ground.radius,
         solids=roles.stand,
         reason=reason,
-        warnings=(
-            *warnings,
-            *told,
-            *_stepped_foot(part, ground, lands, roles, asked=named[0]),
-            *doubts_of(part, axis, ground.radius, faces),
-        ),
+        warnings=(*warnings, *told, *doubts),
         built=roles.built,
         alone=roles.alone,
         zones=roles.zones,

@@ -15,7 +15,6 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -70,7 +69,7 @@ def counts_of_solid(solid: CutSolid, low: float, lines: list[str]) -> tuple[Coun
 def _said_of(found: Found) -> str:
     if isinstance(found, LayerError):
         return f"failed: {found}"
-    return f"{found[1].engine.value}, residual {found[1].residual:.2g} mm, jog {found[1].jog:.2g} mm"
+    return f"{found[1].engine.value}, residual {found[1].residual:.2g} mm, bound {found[1].bound:.2g} mm"
 
 
 def contradictions(solid: CutSolid, radii: Array, found: Sequence[Found], lines: list[str]) -> dict[str, int]:
@@ -84,7 +83,7 @@ def contradictions(solid: CutSolid, radii: Array, found: Sequence[Found], lines:
     for i in sorted(doubted[:MOST_JUDGED].tolist()):
         loops, certificate = found[i]
         # the faces' gaps along the outline are the file's, not the section's, and so is what the flux loses through them
-        reach = max(2.0 * float(solid.gaps.max()), certificate.residual)
+        reach = max(2.0 * float(solid.gaps.max()), certificate.bound)
         allowed = 1e-6 * scale + reach * sum(loop.length() for loop in loops) + leak
         differs = min(_differences(solid, radii[i], float(areas[i]), allowed))
         if differs > allowed:
@@ -135,12 +134,11 @@ def row_of_part(argument: str, plans: bool, lines: list[str]) -> tuple[str, ...]
     given = float(options["substrate"]) if "substrate" in options else None
     solids = cut_solids(part, axis)
     substrate = find_substrate(part, axis, reach={s.index: s.critical.highest for s in solids}, radius=given)
-    told = asdict(substrate)
     lines.append(f"  R {substrate.radius:.6g}: {substrate.reason}")
-    lines.extend(f"  {what}: {told[what]}" for what in ("roles", "left_out") if told.get(what))
+    lines.append(f"  {substrate.roles}; left out: {substrate.left_out}")
     lines.extend(f"  warning: {warning}" for warning in substrate.warnings)
     counts: Counter[str] = Counter()
-    seconds, cut = 0.0, [s for s in solids if s.critical.highest > substrate.radius + 1e-3]
+    seconds, cut = 0.0, [s for s in solids if s.index in substrate.built and s.critical.highest > substrate.radius + 1e-3]
     for solid in cut:
         more, took = counts_of_solid(solid, substrate.radius, lines)
         counts, seconds = counts + more, seconds + took

@@ -298,3 +298,33 @@ class TestEdgesOffTheirFaces:
                 off, found[1].jog
             )
             assert found[1].jog <= found[1].checks["jog_allowed_mm"]
+
+
+class TestWhatIsBuilt:
+    """A whole solid that owned the substrate was taken to stand, and what hangs in the air went without a word."""
+
+    def test_flange_and_bar(self, case):
+        plan = bs.plan(bs.read_step(case("flange_and_bar")), bs.Process(layer_thickness=1.0, step_over=2.0), axis=Z)
+        assert plan.substrate.radius == pytest.approx(5.0)
+        assert plan.substrate.built == (0, 1)
+
+        def area(r: float) -> float:
+            # the flange, 4 mm; the bar, 36 mm long, between its flanks and ends x = 14 and x = 18, |y| <= 2
+            across = np.clip([math.acos(min(1.0, x / r)) for x in (14.0, 18.0)], 0.0, math.asin(min(1.0, 2.0 / r)))
+            return 2.0 * math.pi * r * 4.0 * (r < 20.0) + 36.0 * r * 2.0 * float(across[0] - across[1])
+
+        assert len(plan.layers) == 15
+        assert [layer.area for layer in plan.layers] == pytest.approx([area(layer.radius) for layer in plan.layers], rel=1e-8)
+
+    def test_rim_on_air(self, case):
+        process = bs.Process(layer_thickness=1.0, step_over=3.0)
+        plan = bs.plan(bs.read_step(case("rim_on_air")), process, axis=Z, layers=(29, 32))
+        assert plan.substrate.radius == pytest.approx(10.0)
+        spokes = 3 * 6.0 * 2.0 * 39.0 * math.asin(3.0 / 39.0)
+        rim = [2.0 * math.pi * r * 12.0 for r in (40.0, 41.0)]
+        assert [layer.area for layer in plan.layers] == pytest.approx([spokes, *rim], rel=1e-9)
+        (said,) = [w for w in plan.warnings if "lie over air" in w]
+        # the rim but for its three feet, 6 x 6 mm
+        hangs = rim[0] - 3 * 6.0 * 2.0 * 40.0 * math.asin(3.0 / 40.0)
+        assert said.startswith("layer 30: ")
+        assert float(said.split()[2]) == pytest.approx(hangs, rel=5e-3)

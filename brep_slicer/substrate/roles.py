@@ -88,7 +88,7 @@ def roles_of(part: Part, ground: Ground, reach: Array, *, build: frozenset[int],
     if not built - owners and not any(_own_volume(ground, i) > 0.0 for i in built):
         built = outside - standing
     alone = outside - built - standing
-    zones = () if build else _zones(ground, built, count)
+    zones = () if build else _zones(ground, built)
     indices = [tuple(part.solids[i].index for i in sorted(group)) for group in (built, standing, alone)]
     return Roles(built=indices[0], stand=indices[1], alone=indices[2], zones=zones)
 
@@ -146,7 +146,7 @@ def _stands_wholly(part: Part, ground: Ground, owner: int, stands: frozenset[int
     )
 
 
-def _zones(ground: Ground, built: set[int], count: int) -> tuple[tuple[float, float], ...]:
+def _zones(ground: Ground, built: set[int]) -> tuple[tuple[float, float], ...]:
     """Heights (mm) of shoulders, if anything else is built; up to the next foot that is none, since collars may overhang."""
     shoulders = ground.shoulders(built)
     if not ground.external or not shoulders:

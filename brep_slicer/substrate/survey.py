@@ -33,6 +33,8 @@ BETWEEN, SAME_HEIGHT = 2, 5e-4
 # turned body with a hole or a keyway; in between it counts in part.
 LOOSE, TURNED = 0.6, 0.9
 RINGS = 256
+# Radii of rings that differ by less than this share of the outermost one are one.
+SAME_RING = 1e-7
 # Solids nearer than this (mm) touch: more than files part what lies on one another. Seen to overlap on so many rays, they do.
 CONTACT, OFTEN = 1e-2, 4
 # Facets lie off curved faces by up to this share of the radius (1 - cos of half of the mesh's angle): what is nearer to a
@@ -101,17 +103,30 @@ class Survey:
 
     @cached_property
     def _rings(self) -> tuple[Array, Array]:
-        """(rings + 1,) radii, and the share of the turn that is metal, (stations, rings)."""
-        radii = np.linspace(0.0, self.highest, RINGS + 1)
-        s, step = self.stretches, radii[1]
-        station = s.ray // COLUMNS
-        share = np.zeros((len(self.heights), RINGS + 2))
-        for place, sign in ((s.start / step, 1.0), (s.end / step, -1.0)):
-            k = np.minimum(place.astype(int), RINGS)
+        """(rings + 1,) radii, and the share of the turn that is metal, (stations, rings).
+
+        Rings end at the exact radii of coaxial faces: one that held a shaft's surface inside would seem half full.
+        """
+        s = self.stretches
+        exact = np.concatenate([s.start[s.exact_start], s.end[s.exact_end]])
+        even = np.linspace(0.0, self.highest, RINGS + 1)
+        radii = np.unique(np.concatenate([even, exact]))
+        # those of a file with rounded coordinates are one, and no even one is needed beside them
+        radii = radii[np.append(True, np.diff(radii) > SAME_RING * self.highest)]
+        station, count = s.ray // COLUMNS, len(radii) - 1
+        share = np.zeros((len(self.heights), count + 1))
+        for place, sign in ((s.start, 1.0), (s.end, -1.0)):
+            k = self._ring_of(radii, place)
+            beyond = np.clip((place - radii[k]) / (radii[k + 1] - radii[k]), 0.0, 1.0)
             # a step at `place` in the running sum, its foot in the ring that holds it
-            np.add.at(share, (station, k), sign * (1.0 - (place - k)))
-            np.add.at(share, (station, k + 1), sign * (place - k))
-        return radii, np.minimum(np.cumsum(share, axis=1)[:, :RINGS] / COLUMNS, 1.0)
+            np.add.at(share, (station, k), sign * (1.0 - beyond))
+            np.add.at(share, (station, k + 1), sign * beyond)
+        return radii, np.minimum(np.cumsum(share, axis=1)[:, :count] / COLUMNS, 1.0)
+
+    @staticmethod
+    def _ring_of(radii: Array, places: Array) -> Array:
+        """The number of the ring that holds each radius."""
+        return np.clip(np.searchsorted(radii, places * (1.0 + SAME_RING), side="right") - 1, 0, len(radii) - 2)
 
     @cached_property
     def _loose(self) -> Array:
@@ -124,7 +139,7 @@ class Survey:
         Spokes, and what is left between the holes of a web, do not count where a rim goes round outside of them.
         """
         radii, share = self._rings
-        ring = radii[1:] <= radius * (1.0 + 1e-9) + radii[1]
+        ring = radii[:-1] < radius * (1.0 - SAME_RING)
         closed = np.where(ring, share >= TURNED, False)
         # rings that have a closed one outside of them
         enclosed = np.cumsum(closed[:, ::-1], axis=1)[:, ::-1] - closed > 0
@@ -140,7 +155,7 @@ class Survey:
         station = stretches.ray // COLUMNS
 
         def below(radius: Array) -> Array:
-            k = np.minimum((radius / radii[1]).astype(int), RINGS - 1)
+            k = self._ring_of(radii, radius)
             part = self._loose[station, k] * 0.5 * (radius**2 - radii[k] ** 2)
             return running[station, k] + part
 

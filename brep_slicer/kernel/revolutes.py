@@ -39,6 +39,9 @@ SCREW_DISTINCT = 30.0
 # A face is asked whether it is a cylinder, cone or sphere only where the residual is below this: on the smallest ones the gap
 # allowed turns normals by about as much.
 NEARLY_SCREW = 0.05
+# Points a side that a face is fitted on; where its trimming leaves fewer than so many of them, there are more a side.
+SIDE, FEW, FINE_SIDE = 8, 24, 12
+ELEMENTARY = (GeomAbs_Cylinder, GeomAbs_Cone, GeomAbs_Torus, GeomAbs_Sphere, GeomAbs_SurfaceOfRevolution)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -67,12 +70,11 @@ def axis_votes(solid: Any) -> list[AxisVote]:
     for index, shape in enumerate(sub_shapes(solid, TopAbs_FACE)):
         face = as_face(shape)
         surface = BRepAdaptor_Surface(face, True)
-        area = area_of(face)
-        vote = _elementary(index, surface, area, face)
+        vote = _elementary(index, surface, face)
         if vote is not None and vote.direction is not None:
             vote = replace(vote, turn=float(surface.LastUParameter() - surface.FirstUParameter()))
         if vote is None and surface.GetType() != GeomAbs_Plane:
-            vote = _fitted(index, surface, area, face)
+            vote = _fitted(index, surface, face)
         if vote is not None:
             votes.append(vote)
     return votes
@@ -103,8 +105,11 @@ def _vote(index: int, kind: str, axis: Any, area: float, **more: Any) -> AxisVot
     return AxisVote(face=index, point=_xyz(axis.Location()), direction=direction, area=area, kind=kind, **more)
 
 
-def _elementary(index: int, surface: Any, area: float, face: Any) -> AxisVote | None:
+def _elementary(index: int, surface: Any, face: Any) -> AxisVote | None:
     kind = surface.GetType()
+    if kind not in ELEMENTARY:
+        return None
+    area = area_of(face)
     if kind == GeomAbs_Cylinder:
         return _cylinder_vote(index, surface.Cylinder(), area, _outward(surface, face), exact=True)
     if kind == GeomAbs_Cone:
@@ -137,9 +142,11 @@ def _outward_by_normals(cylinder: Any, points: np.ndarray, normals: np.ndarray) 
     return int(np.sign((across * normals).sum()))
 
 
-def _fitted(index: int, surface: Any, area: float, face: Any) -> AxisVote | None:
+def _fitted(index: int, surface: Any, face: Any) -> AxisVote | None:
     """The vote of a face that is not stored as turned: a recognised one, or the screw motion that moves it into itself."""
-    points, normals = sampled(surface, face)
+    points, normals, area = sampled(surface, face, SIDE)
+    if len(points) < FEW:
+        points, normals, area = sampled(surface, face, FINE_SIDE)
     if len(points) < 8:
         return None
     centre = points.mean(axis=0)
@@ -148,24 +155,25 @@ def _fitted(index: int, surface: Any, area: float, face: Any) -> AxisVote | None
     rows = np.hstack([np.cross(arm, normals), normals])
     _, values, motions = np.linalg.svd(rows / np.sqrt(len(rows)), full_matrices=False)
     # what no motion moves into itself is no cylinder, cone or sphere either
-    found = _recognised(index, area, face, points, normals) if values[-1] < NEARLY_SCREW else None
+    found = _recognised(index, face, points, normals) if values[-1] < NEARLY_SCREW else None
+    # (the area of a screw's face only weighs its vote: the sum over the points is good to some per cent and costs nothing)
     return found or _screw(index, area, values, motions[-1], centre, size)
 
 
-def _recognised(index: int, area: float, face: Any, points: np.ndarray, normals: np.ndarray) -> AxisVote | None:
+def _recognised(index: int, face: Any, points: np.ndarray, normals: np.ndarray) -> AxisVote | None:
     recognition = ShapeAnalysis_CanonicalRecognition(face)
     cylinder, cone, sphere = gp_Cylinder(), gp_Cone(), gp_Sphere()
     if recognition.IsCylinder(RECOGNITION_GAP, cylinder):
-        return _cylinder_vote(index, cylinder, area, _outward_by_normals(cylinder, points, normals))
+        return _cylinder_vote(index, cylinder, area_of(face), _outward_by_normals(cylinder, points, normals))
     if recognition.IsCone(RECOGNITION_GAP, cone):
-        return _vote(index, "cone", cone.Axis(), area)
+        return _vote(index, "cone", cone.Axis(), area_of(face))
     if recognition.IsSphere(RECOGNITION_GAP, sphere):
-        return AxisVote(face=index, point=_xyz(sphere.Location()), direction=None, area=area, kind="sphere")
+        return AxisVote(face=index, point=_xyz(sphere.Location()), direction=None, area=area_of(face), kind="sphere")
     return None
 
 
-def sampled(surface: Any, face: Any, count: int = 12, *, strict: bool = False) -> tuple[np.ndarray, np.ndarray]:
-    """Points on the face (inside of its trimming where any are, or always if `strict`) and outward normals, each (n, 3)."""
+def sampled(surface: Any, face: Any, count: int) -> tuple[np.ndarray, np.ndarray, float]:
+    """Points on the face (inside of its trimming where any are) and outward normals, each (n, 3); their cells' area, mm**2."""
     bounds = (surface.FirstUParameter(), surface.LastUParameter(), surface.FirstVParameter(), surface.LastVParameter())
     inside = IntTools_FClass2d(face, 1e-9)
     sign = -1.0 if face.Orientation() == TopAbs_REVERSED else 1.0
@@ -181,9 +189,10 @@ def sampled(surface: Any, face: Any, count: int = 12, *, strict: bool = False) -
             held.append(inside.Perform(gp_Pnt2d(float(u), float(v))) in (TopAbs_IN, TopAbs_ON))
     normals = np.cross(along_u, along_v)
     size = np.linalg.norm(normals, axis=1)
-    chosen = np.array(held) if strict or any(held) else np.ones(len(points), dtype=bool)
+    chosen = np.array(held) if any(held) else np.ones(len(points), dtype=bool)
     chosen &= size > 0.0
-    return np.array(points)[chosen], sign * normals[chosen] / size[chosen, None]
+    cell = (bounds[1] - bounds[0]) * (bounds[3] - bounds[2]) / count**2
+    return np.array(points)[chosen], sign * normals[chosen] / size[chosen, None], float(size[chosen].sum()) * cell
 
 
 def _screw(index: int, area: float, values: np.ndarray, motion: np.ndarray, centre: np.ndarray, size: float) -> AxisVote | None:

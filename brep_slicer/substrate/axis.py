@@ -249,11 +249,14 @@ def candidates_from_votes(votes: Sequence[AxisVote]) -> list[AxisCandidate]:
     reach = max((float(np.linalg.norm(v.point)) for v in votes), default=0.0) + math.sqrt(total)
     groups = _grouped(lines, SAME_PLACE * reach)
     centres = [v for v in votes if v.direction is None]
+    middles, areas = np.array([v.point for v in centres]).reshape(-1, 3), np.array([v.area for v in centres])
     out = []
     for group in groups:
         first = _representative(group, SAME_PLACE * reach)
         area = sum(v.area for v in group)
-        area += sum(v.area for v in centres if _distance(first, v.point) <= SAME_PLACE * reach)
+        area += float(
+            areas[np.linalg.norm(np.cross(first.direction, middles - first.point), axis=1) <= SAME_PLACE * reach].sum()
+        )
         out.append(AxisCandidate(axis=axis_from_line(first.point, first.direction), area=area, share=area / total))
     return sorted(out, key=lambda c: -c.area)
 

@@ -38,9 +38,10 @@ def _other_axis(part: Part, axis: Axis, radius: float, faces: set[tuple[int, int
     # a hole or a rounding is turned, too, but nobody builds about its axis
     candidates = candidates_from_votes([v for v in votes if v.outward >= 0])
     own = sum(c.area for c in candidates if _nearly(c.axis, axis, radius))
-    others = (c for c in candidates if not _nearly(c.axis, axis, radius) and not _is_spoke(c.axis, axis, radius))
+    rivals = (c for c in candidates if c.share >= RIVAL and c.area > own)
+    others = (c for c in rivals if not _nearly(c.axis, axis, radius) and not _is_spoke(c.axis, axis, radius))
     other: AxisCandidate | None = next((c for c in others if _goes_round(votes, c.axis, radius)), None)
-    if other is None or other.share < RIVAL or other.area <= own:
+    if other is None:
         return []
     share = own / other.area * other.share
     return [

@@ -255,3 +255,24 @@ class TestEccentric:
     def test_not_of_one_on_the_axis(self):
         found = inspect_part(united(bar(20.0, -40.0, 40.0), box((18.0, -2.0, 15.0), (30.0, 2.0, 25.0))), axis="Z")
         assert not any("eccentric" in w for w in found.warnings)
+
+
+class TestDoubles:
+    """A file that holds a solid twice: said, since its metal would be taken for two solids'."""
+
+    @staticmethod
+    def said(*solids):
+        names = [f"n{i}" for i in range(len(solids))]
+        return [w for w in inspect_part(file_of(*solids, names=names), axis="Z").warnings if "twice" in w]
+
+    @pytest.mark.parametrize("make", [gear, lambda: worn_shaft(), lambda: united(bar(20.0, -9.0, 9.0), pin(20.0))])
+    def test_the_same_one_twice(self, make):
+        (said,) = self.said(make(), clad(60.0, 70.0), make())
+        assert said.startswith("solids 0 (n0) and 2 (n2) are the same twice")
+
+    def test_equal_ones_elsewhere_are_two(self):
+        # bars crossed at plus and minus 30 degrees: the same box, volume and centre
+        crossed = [bd.Rot(0, 0, turn) * box((-30.0, -2.0, -2.0), (30.0, 2.0, 2.0)) - bar(5.0, -9.0, 9.0) for turn in (30, -30)]
+        halves = [shape.solids()[0] for shape in crossed]
+        assert self.said(bar(5.0, -20.0, 20.0), *halves) == []
+        assert self.said(gear(), bd.Pos(0, 0, 0.5) * gear()) == []

@@ -5,6 +5,7 @@ In: a part, its axis, the faces of what is to be built. Out: sentences.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
@@ -19,6 +20,8 @@ from .lands import ECCENTRIC_SHARE, NEARLY_PARALLEL, beyond, eccentric_cylinders
 if TYPE_CHECKING:
     from brep_slicer.kernel.revolutes import AxisVote
 
+    from .survey import Survey
+
 # Another axis is told of when faces with at least this share of the turned area of what is built say so, and more than those
 # that say the one that is used.
 RIVAL = 0.25
@@ -31,6 +34,21 @@ def doubts_of(part: Part, axis: Axis, radius: float, faces: Iterable[tuple[int, 
     """Doubts about what is built beyond `radius` (mm), whose faces are (place of the solid, number of the face)."""
     chosen = set(faces)
     return [*_other_axis(part, axis, radius, chosen), *_eccentric(part, axis, radius)]
+
+
+def doubles_of(part: Part, survey: Survey) -> list[str]:
+    """Solids that lie one in the other, line by line along all rays: the same one twice in a file."""
+    from .survey import CONTACT
+
+    s = survey.stretches
+    lines = [np.stack([s.ray, s.start, s.end], axis=1)[s.solid == place] for place in range(len(part.solids))]
+    out = []
+    for a, b in itertools.combinations(range(len(lines)), 2):
+        same = len(lines[a]) > 0 and lines[a].shape == lines[b].shape
+        if same and np.abs(lines[a] - lines[b]).max() <= CONTACT:
+            first, second = part.solids[a], part.solids[b]
+            out.append(f"solids {first.index} ({first.name}) and {second.index} ({second.name}) are the same twice: --solid")
+    return [f"{text} chooses which are planned" for text in out]
 
 
 def _other_axis(part: Part, axis: Axis, radius: float, faces: set[tuple[int, int]]) -> list[str]:

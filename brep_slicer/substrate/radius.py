@@ -17,7 +17,7 @@ from brep_slicer.wording import shortened
 
 from .axis import Axis
 from .choice import TOLD, Choice, chosen_ground
-from .doubts import doubts_of
+from .doubts import doubles_of, doubts_of
 from .ground import Ground, flagged
 from .lands import SAME_RADIUS, CylinderCandidate, Land, beyond, coaxial_cylinders, lands_of, levels_of, listed
 from .roles import Roles, places_named, roles_of, said
@@ -119,7 +119,7 @@ def find_substrate(
         radius=ground.radius,
         solids=roles.stand,
         reason=reason,
-        warnings=(*warnings, *told, *doubts),
+        warnings=(*warnings, *told, *doubts, *doubles_of(part, survey)),
         built=roles.built,
         alone=roles.alone,
         zones=roles.zones,

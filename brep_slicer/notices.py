@@ -23,6 +23,7 @@ class NoticeKind(enum.Enum):
     SUBSTRATE = "substrate"
     STACK = "stack"
     FAILED = "failed layer"
+    OUTLINE = "outline's error"
     EMPTY = "empty layer"
     OVER_ITSELF = "section over itself"
     ON_AIR = "metal on air"

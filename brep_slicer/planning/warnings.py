@@ -23,6 +23,13 @@ NEXT_TO_NONE, SURELY_BARE = 0.1, 0.2
 # A piece is built on too little where what is below it holds less than this share of its metal, and of its own: on half its
 # width, that is, at most.
 LEAST_BELOW = 0.5
+# Beads are laid to within a chord of where they belong; an outline that may be off by more than this share of it is warned of.
+OUTLINES_SHARE = 0.1
+
+OUTLINE_TEXT = (
+    "the outline may be off by {error_mm} mm (its residual, gaps in the file and contradicting areas together), more than a"
+    " tenth of the chord; the report says why"
+)
 
 
 def notices_of_sections(layers: Sequence[Layer], failed: Sequence[FailedLayer], process: Process) -> tuple[Notice, ...]:
@@ -35,6 +42,11 @@ def notices_of_sections(layers: Sequence[Layer], failed: Sequence[FailedLayer], 
         _of_layer(NoticeKind.EMPTY, layer, "no metal (R {radius_mm} mm)", radius_mm=layer.radius)
         for layer in layers
         if layer.region.is_empty
+    ]
+    notices += [
+        _of_layer(NoticeKind.OUTLINE, layer, OUTLINE_TEXT, error_mm=layer.certificate.bound)
+        for layer in layers
+        if layer.certificate.bound > OUTLINES_SHARE * process.value("chord")
     ]
     notices += _lying_over_themselves(layers, process)
     if process.width < process.step_over:

@@ -12,10 +12,12 @@ from typing import Any
 import numpy as np
 
 from brep_slicer.errors import InputError, LayerError
+from brep_slicer.maps import TURN, Array
 from brep_slicer.part import as_part
 from brep_slicer.process import check_radii, choice
 from brep_slicer.section import Certificate, CutSolid, Engine, cut_solids
 from brep_slicer.section.boolean import COINCIDENCE_STEP
+from brep_slicer.section.certificate import LARGEST_ERROR
 from brep_slicer.section.engines import SolidSections
 from brep_slicer.section.stepped import moved_by_step
 from brep_slicer.substrate.axis import as_axis
@@ -83,38 +85,34 @@ def slice_solids(
     progress: Callable[[int], None] | None = None,
 ) -> list[Layer | FailedLayer]:
     """`slice_part` for solids that are ready; `progress` is called with the number of each finished layer."""
-    ahead = {s.index: _sections(s, radii, engine) for s in solids}
+    ahead = {s.index: SolidSections(s, radii, engine) for s in solids}
     out: list[Layer | FailedLayer] = []
     for i, radius in enumerate(radii):
-        sections = {s.index: ahead[s.index](i) for s in solids}
-        if len(solids) > 1 and any(_stepped(section) for section in sections.values()):
-            sections = _side_by_side(solids, radius, engine) or sections
+        sections = {s.index: _section(ahead[s.index], i) for s in solids}
+        if len(solids) > 1:
+            meeting = _meeting_stepped(sections)
+            sections |= _side_by_side({n: ahead[n] for n in meeting}, radius)
         out.append(_layer(i, radius, sections, set(substrate_solids)))
         if progress is not None:
             progress(i)
     return out
 
 
-def _sections(solid: CutSolid, radii: Sequence[float], engine: Engine) -> Callable[[int], Section]:
+def _section(sections: SolidSections, i: int) -> Section:
     """A solid's section at radius number i as a region; a region that the loops do not make sends the layer to the fallback."""
-    sections = SolidSections(solid, radii, engine)
-
-    def section(i: int) -> Section:
-        loops = sections.section(i)
-        if isinstance(loops, LayerError):
-            return loops
-        try:
-            return region_from_loops(radii[i], loops[0]), loops[1]
-        except LayerError as error:
-            if loops[1].fallback or loops[1].engine is Engine.BOOLEAN:
-                return error
-            second = sections.fallback(i, str(error))
-        try:
-            return second if isinstance(second, LayerError) else (region_from_loops(radii[i], second[0]), second[1])
-        except LayerError as error:
+    radius, loops = float(sections.radii[i]), sections.section(i)
+    if isinstance(loops, LayerError):
+        return loops
+    try:
+        return region_from_loops(radius, loops[0]), loops[1]
+    except LayerError as error:
+        if loops[1].fallback or loops[1].engine is Engine.BOOLEAN:
             return error
-
-    return section
+        second = sections.fallback(i, str(error))
+    try:
+        return second if isinstance(second, LayerError) else (region_from_loops(radius, second[0]), second[1])
+    except LayerError as error:
+        return error
 
 
 def _stepped(section: Section) -> bool:
@@ -122,17 +120,46 @@ def _stepped(section: Section) -> bool:
     return not isinstance(section, LayerError) and bool(section[1].fallback) and section[1].residual > FITS
 
 
-def _side_by_side(solids: Sequence[CutSolid], radius: float, engine: Engine) -> dict[int, Section] | None:
-    """All solids cut at one radius a step farther out, drawn on `radius`; None if one of them cannot be."""
+def _meeting_stepped(sections: dict[int, Section]) -> list[int]:
+    """Solids that were cut beside their radius and those whose outlines they may meet, and so on, by boxes of their pieces."""
+    stepped = [n for n, section in sections.items() if _stepped(section)]
+    boxes = {n: _boxes(section) for n, section in sections.items() if not isinstance(section, LayerError)} if stepped else {}
+    found, new = set(), set(stepped)
+    while new:
+        found |= new
+        new = {n for n in boxes.keys() - found if any(_meet(boxes[n], boxes[m]) for m in new)}
+    return sorted(found) if len(found) > 1 else []
+
+
+def _boxes(section: tuple[Region, Certificate]) -> Array:
+    """(n, 4) boxes of a region's pieces, mm, wider by what its outline may be off by, a turn to either side too."""
+    region, certificate = section
+    wide = certificate.bound + FITS
+    boxes = np.array([piece.bounds() for piece in region.pieces]).reshape(-1, 4) + wide * np.array([-1.0, -1.0, 1.0, 1.0])
+    turn = TURN * region.radius * np.array([1.0, 0.0, 1.0, 0.0])
+    return np.concatenate([boxes + k * turn for k in (-1.0, 0.0, 1.0)])
+
+
+def _meet(one: Array, other: Array) -> bool:
+    """Whether any box of one meets any of the other."""
+    a, b = one[:, None], other[None]
+    return bool(np.any((a[..., :2] <= b[..., 2:]).all(axis=-1) & (b[..., :2] <= a[..., 2:]).all(axis=-1)))
+
+
+def _side_by_side(solids: dict[int, SolidSections], radius: float) -> dict[int, Section]:
+    """Solids cut at one radius a step farther out, drawn on `radius`; none if one of them cannot be, or moves too far."""
     out: dict[int, Section] = {}
-    for solid in solids:
-        near, far = (_sections(solid, [radius + k * COINCIDENCE_STEP], engine)(0) for k in (1.0, 2.0))
+    for index, solid in solids.items():
+        near, far = (_section(solid.beside(radius + k * COINCIDENCE_STEP), 0) for k in (1.0, 2.0))
         if isinstance(near, LayerError) or isinstance(far, LayerError) or _stepped(near):
-            return None
+            return {}
         region, beyond = near[0].on_radius(radius), far[0].on_radius(radius)
         moved = moved_by_step(region.loops, beyond.loops, (1.0, 2.0))
         reason = near[1].fallback or "a neighbour was cut beside its radius"
-        out[solid.index] = region, replace(near[1], residual=max(near[1].residual, moved), fallback=reason, coincident=True)
+        certificate = replace(near[1], residual=max(near[1].residual, moved), fallback=reason, coincident=True)
+        if certificate.bound > LARGEST_ERROR:
+            return {}
+        out[index] = region, certificate
     return out
 
 
@@ -185,6 +212,7 @@ def _merged(by_solid: dict[int, Certificate]) -> Certificate:
         engine=Engine.BOOLEAN if Engine.BOOLEAN in engines else Engine.ANALYTIC,
         residual=float(np.max([c.residual for c in certificates])),
         jog=float(np.max([c.jog for c in certificates])),
+        contradiction=float(np.max([c.contradiction for c in certificates])),
         checks=checks,
         fallback="; ".join(f"solid {i}: {c.fallback}" for i, c in by_solid.items() if c.fallback),
         coincident=any(c.coincident for c in certificates),

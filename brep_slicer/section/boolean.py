@@ -36,9 +36,11 @@ WIDEST, FILES_OWN = 1e-3, 2.0
 SEAMS = (0.4142, 2.2361, 4.1231)
 # Two areas may differ by the tolerance of every edge along its length, in each of the two cuts.
 CUTS = 2.0
+# The second cut that tells how fast an outline moves lies on by at least this share of the first one's step.
+LEAST_ON = 0.25
 
 
-def section_by_boolean(solid: Any, radius: float, *, critical: Array) -> tuple[list[Loop], Certificate]:
+def section_by_boolean(solid: Any, radius: float, *, critical: Array, gap: float = 0.0) -> tuple[list[Loop], Certificate]:
     """Cut one solid.
 
     Parameters
@@ -49,6 +51,8 @@ def section_by_boolean(solid: Any, radius: float, *, critical: Array) -> tuple[l
         Radius of the cut, mm.
     critical : ndarray, shape (n,)
         The solid's critical radii, mm; near one of them the cut steps aside, and says how far that moves the outline.
+    gap : float
+        The solid's largest gap between an edge and its faces, mm: gaps in the outline may be that wide, too.
 
     Raises
     ------
@@ -56,31 +60,47 @@ def section_by_boolean(solid: Any, radius: float, *, critical: Array) -> tuple[l
         If the boolean fails, or its checks do, wherever the cylinder face is cut open.
     """
     used = clear_radius(radius, critical)
-    loops, certificate = _cut(solid, used)
+    loops, certificate = _cut(solid, used, gap)
     loops = [loop.on_radius(radius) for loop in loops]
     if used == radius:
         return loops, certificate
     if not loops and np.any((critical > radius + COINCIDENT) & (critical < used)):
         raise LayerError(f"what the section at radius {radius:.9g} mm holds ends before the next radius that OCCT can cut at")
-    farther = 2.0 * used - radius
-    clear = not np.any((critical >= min(used, farther)) & (critical <= max(used, farther)))
-    far = [loop.on_radius(radius) for loop in _cut(solid, farther)[0]] if clear else []
+    farther = _farther(radius, used, critical)
+    far = [loop.on_radius(radius) for loop in _cut(solid, farther, gap)[0]]
     moved = moved_by_step(loops, far, (abs(used - radius), abs(farther - radius)))
     return loops, replace(certificate, residual=max(certificate.residual, moved), coincident=True)
 
 
-def _cut(solid: Any, radius: float) -> tuple[list[Loop], Certificate]:
+def _farther(radius: float, used: float, critical: Array) -> float:
+    """A radius that tells how fast the outline moves: twice as far out as `used`, or as far as the next critical one lets it.
+
+    Raises
+    ------
+    LayerError
+        If OCCT cannot cut far enough on: how far the outline has moved is not known then.
+    """
+    out = math.copysign(1.0, used - radius)
+    beyond = out * (np.asarray(critical, dtype=float) - used)
+    room = float(beyond[beyond > 0.0].min(initial=math.inf)) - 0.5 * COINCIDENCE_STEP
+    on = min(abs(used - radius), room)
+    if on < LEAST_ON * abs(used - radius):
+        raise LayerError(f"how far a step to {used:.9g} mm moves the section at radius {radius:.9g} mm cannot be told")
+    return used + out * on
+
+
+def _cut(solid: Any, radius: float, gap: float) -> tuple[list[Loop], Certificate]:
     """One cut, at the first seam at which its checks hold."""
     reason = ""
     for seam in SEAMS:
         try:
-            return _cut_once(solid, radius, seam)
+            return _cut_once(solid, radius, seam, gap)
         except LayerError as error:
             reason = str(error)
     raise LayerError(reason)
 
 
-def _cut_once(solid: Any, used: float, seam: float) -> tuple[list[Loop], Certificate]:
+def _cut_once(solid: Any, used: float, seam: float, gap: float) -> tuple[list[Loop], Certificate]:
     """One cut of the whole turn, its seam at the angle `seam` (rad), checked against two half-turns."""
     from brep_slicer.kernel.booleans import common_with_cylinder, height_range, largest_tolerance
 
@@ -89,7 +109,8 @@ def _cut_once(solid: Any, used: float, seam: float) -> tuple[list[Loop], Certifi
     heights = (low - margin, high + margin)
     whole = common_with_cylinder(solid, used, seam=seam, turn=TURN, heights=heights)
     tolerance = max([INTERSECTION_RESIDUAL, *(u.tolerance for u in whole.uses)])
-    if tolerance > max(WIDEST, FILES_OWN * largest_tolerance(solid)):
+    widest = max(WIDEST, FILES_OWN * max(gap, largest_tolerance(solid)))
+    if tolerance > widest:
         raise LayerError(f"OCCT's boolean lets its section at radius {used:g} mm lie {tolerance:.3g} mm from the faces")
     arcs = [
         Arc(curve=curve_on_cylinder(u.curve, u.first, u.last, used, forward=u.forward), start=u.start, end=u.end)
@@ -101,18 +122,22 @@ def _cut_once(solid: Any, used: float, seam: float) -> tuple[list[Loop], Certifi
         common_with_cylinder(solid, used, seam=seam + 1.0 + k * math.pi, turn=math.pi, heights=heights).area for k in (0, 1)
     )
     jog = max((loop.jog() for loop in loops), default=0.0)
+    if jog > widest:
+        raise LayerError(f"the outline of OCCT's boolean gapes by {jog:.3g} mm at radius {used:g} mm, the file's edges by less")
     allowed = CUTS * length * (tolerance + jog) + 1e-9 * area
+    differs = max(abs(halves - area), abs(whole.area - area))
     checks: dict[str, bool | float | str] = {
         "area_of_half_turns_differs_mm2": halves - area,
         "area_of_occt_face_differs_mm2": whole.area - area,
         "edge_tolerance_mm": tolerance,
     }
-    if abs(halves - area) > allowed or abs(whole.area - area) > allowed:
+    if differs > allowed:
         raise LayerError(
             f"OCCT's boolean contradicts itself at radius {used:g} mm: {area:.6g} mm2 in its outline,"
             f" {whole.area:.6g} in its faces, {halves:.6g} in two half-turns"
         )
-    return loops, Certificate(engine=Engine.BOOLEAN, residual=tolerance, jog=jog, checks=checks)
+    strip = differs / length if length else 0.0
+    return loops, Certificate(engine=Engine.BOOLEAN, residual=tolerance, jog=jog, checks=checks, contradiction=strip)
 
 
 def clear_radius(radius: float, critical: Array) -> float:

@@ -22,9 +22,9 @@ from brep_slicer.maps import Array
 
 from .analytic import sections_by_analysis
 from .boolean import COINCIDENCE_STEP, clear_radius, section_by_boolean
-from .certificate import Certificate, Engine
+from .certificate import Certificate, Engine, check_error
 from .cut_solid import CutSolid
-from .oracle import area_and_turnover, areas_by_flux
+from .oracle import area_and_turnover, areas_of_ramps, flux_ramps
 from .stepped import moved_by_step
 
 Found = tuple[list[Loop], Certificate] | LayerError
@@ -42,11 +42,40 @@ PANELS, NOISE, SHARE = (6, 9), 4.0, 5e-3
 NEAR_AXIS = 0.01
 
 
-class SolidSections:
-    """The sections of one solid at `radii` (mm, increasing), by the engine asked for and by who is asked after it."""
+class SurfaceIntegral:
+    """Areas (mm**2) of one solid's sections by the surface integral, each computed once, however often it is asked for."""
 
-    def __init__(self, solid: CutSolid, radii: Sequence[float], engine: Engine) -> None:
-        self.solid, self.radii = solid, np.asarray(radii, dtype=float)
+    def __init__(self, solid: CutSolid) -> None:
+        self.solid = solid
+        self._exact: dict[tuple[float, int], tuple[float, float]] = {}
+
+    def quick(self, radii: Array) -> Array:
+        """To about four digits of the largest section."""
+        return areas_of_ramps(self._ramps, radii)
+
+    def exact(self, radius: float, panels: int) -> tuple[float, float]:
+        """`area_and_turnover`."""
+        key = radius, panels
+        if key not in self._exact:
+            self._exact[key] = area_and_turnover(self.solid.brep, radius, panels=panels)
+        return self._exact[key]
+
+    @cached_property
+    def _ramps(self) -> tuple[Array, Array, Array]:
+        return flux_ramps(self.solid.brep, level=self.solid.stretches.face_level)
+
+
+class SolidSections:
+    """The sections of one solid at `radii` (mm, increasing), by the engine asked for and by who is asked after it.
+
+    `judge` is the solid's surface integral, if there is one already.
+    """
+
+    def __init__(
+        self, solid: CutSolid, radii: Sequence[float], engine: Engine, *, judge: SurfaceIntegral | None = None
+    ) -> None:
+        self.solid, self.radii, self.engine = solid, np.asarray(radii, dtype=float), engine
+        self.judge = judge or SurfaceIntegral(solid)
         self.ahead = sections_by_analysis(solid, self.radii) if engine is Engine.ANALYTIC else None
 
     def section(self, i: int) -> Found:
@@ -54,13 +83,25 @@ class SolidSections:
         if self.ahead is None:
             return self.fallback(i, "")
         found = self.ahead[i]
-        return self.fallback(i, str(found)) if isinstance(found, LayerError) else found
+        if isinstance(found, LayerError):
+            return self.fallback(i, str(found))
+        try:
+            check_error(found[1], float(self.radii[i]))
+        except LayerError as error:
+            return self.fallback(i, str(error))
+        return found
+
+    def beside(self, radius: float) -> SolidSections:
+        """The same solid at another radius (mm), judged by the same surface integral."""
+        return SolidSections(self.solid, [radius], self.engine, judge=self.judge)
 
     def fallback(self, i: int, reason: str) -> Found:
         """The boolean's section if the surface integral agrees, else the analytic one a little farther out."""
         solid, radius = self.solid, float(self.radii[i])
         try:
-            loops, certificate = section_by_boolean(solid.wrapped, radius, critical=solid.critical.radii)
+            gap = float(solid.gaps.max(initial=0.0))
+            loops, certificate = section_by_boolean(solid.wrapped, radius, critical=solid.critical.radii, gap=gap)
+            check_error(certificate, radius)
             used = clear_radius(radius, solid.critical.radii)
             tolerance = float(certificate.checks["edge_tolerance_mm"])
             return loops, self._agreed(i, used, loops, replace(certificate, fallback=reason), tolerance)
@@ -75,6 +116,7 @@ class SolidSections:
             stated = max(certificate.residual, moved_by_step(loops, far, (step, farther)))
             believed = replace(certificate, residual=stated, fallback=reason)
             try:
+                check_error(believed, radius)
                 return loops, self._agreed(i, radius + step, loops, believed, certificate.residual)
             except LayerError:
                 continue
@@ -83,7 +125,7 @@ class SolidSections:
     @cached_property
     def _quick(self) -> Array:
         """Areas (mm**2) by the quick surface integral at all radii, all a boolean's step farther out."""
-        return areas_by_flux(self.solid.brep, self.radii + COINCIDENCE_STEP, level=self.solid.stretches.face_level)
+        return self.judge.quick(self.radii + COINCIDENCE_STEP)
 
     def _agreed(self, i: int, used: float, loops: list[Loop], certificate: Certificate, tolerance: float) -> Certificate:
         """The certificate with the surface integral's word.
@@ -99,12 +141,21 @@ class SolidSections:
         scale = max(float(np.abs(self._quick).max()), abs(area))
         differs = float(self._quick[i]) - area
         if len(self.solid.brep.faces) <= FEW_FACES or abs(differs) > QUICK * scale:
-            (coarse, _), (fine, turnover) = (area_and_turnover(self.solid.brep, used, panels=panels) for panels in PANELS)
-            edge = sum(loop.length() for loop in loops) * max(tolerance, certificate.jog)
+            length = sum(loop.length() for loop in loops)
+            edge = length * max(tolerance, certificate.jog)
+            fine, turnover = self.judge.exact(used, PANELS[0])
+            noise = SHARE * turnover
+            if abs(fine - area) > noise + edge:
+                coarse, (fine, turnover) = fine, self.judge.exact(used, PANELS[1])
+                noise = NOISE * abs(fine - coarse) + SHARE * turnover
             differs = fine - area
-            if abs(differs) > NOISE * abs(fine - coarse) + SHARE * turnover + edge:
+            if abs(differs) > noise + edge:
                 raise LayerError(
                     f"the {certificate.engine.value} section at radius {used:.9g} mm has {area:.6g} mm2, the surface integral"
                     f" says {fine:.6g}"
                 )
+            if length:
+                strip = max(abs(differs) - noise, 0.0) / length
+                certificate = replace(certificate, contradiction=max(certificate.contradiction, strip))
+                check_error(certificate, used)
         return replace(certificate, checks={**certificate.checks, "surface_integral_differs_mm2": differs})

@@ -49,7 +49,11 @@ def areas_by_flux(brep: Brep, radii: Array, *, level: Array | None = None, lines
     Each face is divided into small cells across which rho is taken to change evenly; what they add to the flux is a broken line
     in R, and the broken lines are summed over sorted breaks. `level` (faces,) is the radius of faces that have one (else NaN).
     """
-    radii = np.asarray(radii, dtype=float)
+    return areas_of_ramps(flux_ramps(brep, level=level, lines=lines, cells=cells), radii)
+
+
+def flux_ramps(brep: Brep, *, level: Array | None = None, lines: int = 64, cells: int = 64) -> tuple[Array, Array, Array]:
+    """What `areas_by_flux` sums, whatever the radii: (n,) lowest and highest rho (mm) of each cell, and its flux."""
     middle, width, flux = [], [], []
     for i, face in enumerate(brep.faces):
         p, n, change = surface_cells(face, lines=lines, cells=cells)
@@ -59,7 +63,14 @@ def areas_by_flux(brep: Brep, radii: Array, *, level: Array | None = None, lines
         width.append(np.zeros(len(p)) if flat else change)
         flux.append((n[:, 0] * p[:, 0] + n[:, 1] * p[:, 1]) / np.where(square > 0.0, square, 1.0))
     rho, half = np.concatenate(middle), 0.5 * np.concatenate(width)
-    return radii * _sum_of_ramps(rho - half, rho + half, np.concatenate(flux), radii)
+    return rho - half, rho + half, np.concatenate(flux)
+
+
+def areas_of_ramps(ramps: tuple[Array, Array, Array], radii: Array) -> Array:
+    """Areas (mm**2) at `radii` (mm), from `flux_ramps`."""
+    radii = np.asarray(radii, dtype=float)
+    low, high, flux = ramps
+    return radii * _sum_of_ramps(low, high, flux, radii)
 
 
 def _sum_of_ramps(low: Array, high: Array, flux: Array, radii: Array) -> Array:

@@ -27,7 +27,7 @@ def moved_by_step(near: Sequence[Loop], far: Sequence[Loop], steps: tuple[float,
     """
     if not near:
         return 0.0
-    if not far:
+    if not far:  # no more than an upper bound, and mostly one that fails the layer
         return max(math.hypot(k1 - k0, v1 - v0) for k0, v0, k1, v1 in (loop.bounds() for loop in near))
     return outlines_apart(near, far) / (math.sqrt(steps[1] / steps[0]) - 1.0)
 

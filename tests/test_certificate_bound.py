@@ -140,7 +140,12 @@ class TestNeighboursOfAStep:
         assert slicing._meeting_stepped(sections) == again
 
     def test_nobody_where_none_was_moved(self):
-        assert slicing._meeting_stepped({0: section(0.0, 5.0), 1: section(5.0, 5.0)}) == []
+        assert slicing._meeting_stepped({0: section(0.0, 5.0), 1: section(5.0, 5.0)}, [0, 1]) == []
+
+    def test_and_those_that_begin_there(self):
+        # of two halves of a ring one may be empty at the radius, and fill what the other one opens by a step farther out
+        sections = {0: section(0.0, 5.0, 1e-3, "stepped"), 1: section(20.0, 5.0), 2: section(40.0, 5.0)}
+        assert slicing._meeting_stepped(sections, [2]) == [0, 2]
 
     def test_a_surface_integral_is_computed_once(self, monkeypatch):
         calls = []

@@ -16,7 +16,7 @@ from brep_slicer.maps import TURN, Array
 from brep_slicer.part import as_part
 from brep_slicer.process import check_radii, choice
 from brep_slicer.section import Certificate, CutSolid, Engine, cut_solids
-from brep_slicer.section.boolean import COINCIDENCE_STEP
+from brep_slicer.section.boolean import COINCIDENCE_STEP, COINCIDENT
 from brep_slicer.section.certificate import LARGEST_ERROR
 from brep_slicer.section.engines import SolidSections
 from brep_slicer.section.stepped import moved_by_step
@@ -90,7 +90,7 @@ def slice_solids(
     for i, radius in enumerate(radii):
         sections = {s.index: _section(ahead[s.index], i) for s in solids}
         if len(solids) > 1:
-            meeting = _meeting_stepped(sections)
+            meeting = _meeting_stepped(sections, [n for n in sections if _changes(ahead[n].solid, radius)])
             sections |= _side_by_side({n: ahead[n] for n in meeting}, radius)
         out.append(_layer(i, radius, sections, set(substrate_solids)))
         if progress is not None:
@@ -120,11 +120,21 @@ def _stepped(section: Section) -> bool:
     return not isinstance(section, LayerError) and bool(section[1].fallback) and section[1].residual > FITS
 
 
-def _meeting_stepped(sections: dict[int, Section]) -> list[int]:
-    """Solids that were cut beside their radius and those whose outlines they may meet, and so on, by boxes of their pieces."""
+def _changes(solid: CutSolid, radius: float) -> bool:
+    """Whether a solid may have other pieces where its neighbours are cut beside the radius: it begins or ends in between."""
+    critical = solid.critical.radii
+    return bool(np.any((critical > radius - COINCIDENT) & (critical <= radius + 2.0 * COINCIDENCE_STEP)))
+
+
+def _meeting_stepped(sections: dict[int, Section], changing: Sequence[int] = ()) -> list[int]:
+    """Solids that were cut beside their radius and those whose outlines they may meet, and so on, by boxes of their pieces.
+
+    Those that are `changing` just outside of it may meet any.
+    """
     stepped = [n for n, section in sections.items() if _stepped(section)]
     boxes = {n: _boxes(section) for n, section in sections.items() if not isinstance(section, LayerError)} if stepped else {}
-    found, new = set(), set(stepped)
+    found: set[int] = set()
+    new = {*stepped, *changing} & boxes.keys()
     while new:
         found |= new
         new = {n for n in boxes.keys() - found if any(_meet(boxes[n], boxes[m]) for m in new)}

@@ -372,3 +372,18 @@ def test_starts_are_spread_on_beads_that_go_round_too(pattern):
         assert np.hypot(*(spread.points[0] - bead.points[0])) > 1.0
         line = shapely.MultiLineString([bead.points + k * np.array([TURN, 0.0]) for k in range(-2, 3)])
         assert shapely.distance(line, shapely.points(along(spread.points))).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    "chosen", [Skeleton(), Hatch(angle=0.3), Zigzag(angle=0.0), Spiral(), FlankFollowing()], ids=lambda p: type(p).__name__
+)
+@pytest.mark.parametrize(("at", "jog"), [(10.0, 0.1), (9.5, 0.02), (5.0, 0.03), (2.7, 0.006), (3.2, 0.03)])
+def test_an_edge_gap_at_which_the_outline_crosses_itself_is_no_obstacle(at, jog, chosen):
+    crossing = [(at, 30.0), (at + jog, 30.0 + jog), (at + 0.6 * jog, 30.0 - jog)]
+    region = region_from_loops(R, [polygon([(0.0, 0.0), (14.5, 0.0), (14.5, 30.0), *crossing, (0.0, 30.0)])])
+    plain = region_from_loops(R, [rectangle(0.0, 0.0, 14.5, 30.0)])
+    metal = [
+        sum(bead.length() for bead in fill_region(r, PatternSequence(patterns=(Contours(count=1), chosen)), **ARGS).beads)
+        for r in (region, plain)
+    ]
+    assert metal[0] == pytest.approx(metal[1], rel=0.05)

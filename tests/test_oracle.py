@@ -8,10 +8,10 @@ import pytest
 
 import brep_slicer as bs
 from brep_slicer.errors import LayerError
-from brep_slicer.section import cut_solids
+from brep_slicer.section import cut_solids, trimmed
 from brep_slicer.section.analytic import sections_by_analysis
 from brep_slicer.substrate.axis import axis_from_line
-from brep_slicer.testing import area_by_flux
+from brep_slicer.testing import area_by_flux, areas_by_flux
 
 Z = bs.axis_from_text("Z")
 # relative: what the oracle's own quadrature is good for on each fixture (kinks that its panels do not know of)
@@ -74,3 +74,19 @@ def test_the_surface_integral_on_slender_faces(length):
     for radius, truth in ((3.9, 2.0 * np.pi * 3.9 * 8.0), (10.0, 8.0 * 10.0 * 4.0 * np.arcsin(0.4))):
         for panels in (6, 9, 12):
             assert area_by_flux(solid.brep, radius, panels=panels) == pytest.approx(truth, rel=1e-4)
+
+
+@pytest.mark.parametrize("name", ["helical_gear_tooth", "propeller", "drilled_tube", "wind_blade"])
+def test_the_quick_integral_takes_bounded_memory(name, fixture_step, monkeypatch):
+    most = 4000
+    monkeypatch.setattr(trimmed, "MOST_CELLS", most)
+    monkeypatch.setattr(trimmed, "MOST_LINES", 60)
+    for solid in cut_solids(bs.read_step(fixture_step(name)), Z):
+        for face in solid.brep.faces:
+            stretches = len(trimmed.surface_cells(face, lines=64, cells=1)[0]) // trimmed.LEAST_CELLS
+            assert len(trimmed.surface_cells(face, lines=64, cells=64)[0]) <= max(most, trimmed.LEAST_CELLS * stretches)
+        radii = np.random.default_rng(5).uniform(solid.critical.lowest, solid.critical.highest, 3)
+        exact = np.array([area_by_flux(solid.brep, radius) for radius in radii])
+        assert areas_by_flux(solid.brep, radii, level=solid.stretches.face_level) == pytest.approx(
+            exact, abs=0.02 * exact.max()
+        )

@@ -44,6 +44,9 @@ class Skeleton(Pattern):
         from brep_slicer.region import polygon_from_piece
 
         shape = three_turns(cell.piece, cell.chord) if cell.piece.winds else polygon_from_piece(cell.piece, chord=cell.chord)
+        if not shape.is_valid:
+            # chords on either side of an edge gap may cross; what they enclose is the piece nevertheless
+            shape = shapely.union_all(parts_of(shapely.make_valid(shape), "Polygon"))
         bare = shape
         if cell.laid:
             lines = [shapely.LineString(points) for points in _copies(cell, shape)]

@@ -29,6 +29,9 @@ SLENDER, MAXIMUM_SPLITS = 12.0, 12
 KINKS, LEAST_PANELS = 8, 2
 # Points at a time (before stretches are halved): what bounds the memory.
 MOST_NODES = 1_000_000
+# Lines and cells of a face that is divided into cells: beyond these there are fewer between two kinks and along a stretch, four
+# at least. A helical face whose pcurves wander has a hundred kinks and crosses every line a hundred times.
+MOST_LINES, MOST_CELLS, LEAST_CELLS = 2048, 2_000_000, 4
 
 
 def surface_nodes(face: Face, levels: tuple[float, ...] = (), *, panels: int = PANELS) -> Iterator[tuple[Array, Array]]:
@@ -99,15 +102,18 @@ def _stout(
 def surface_cells(face: Face, *, lines: int, cells: int) -> tuple[Array, Array, Array]:
     """The face as small cells: (n, 3) their middles, (n, 3) n dS, (n,) by how much rho changes across each.
 
-    `lines` along u = const between two kinks, `cells` along each. The change is that of two even slopes together.
+    `lines` along u = const between two kinks, `cells` along each, fewer of both where they would be more than memory is for.
+    The change is that of two even slopes together.
     """
     knots = _knots(face, ())
+    lines = max(LEAST_CELLS, min(lines, MOST_LINES // max(1, len(knots) - 1)))
     sides = np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, lines + 1)) ** 2
     u = (knots[:-1, None] + np.diff(knots)[:, None] * 0.5 * (sides[:-1] + sides[1:])).ravel()
     wide = (np.diff(knots)[:, None] * np.diff(sides)).ravel()
     line, low, high = _at_breaks(face, *_inside(face, u))
     if not len(line):
         return np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0)
+    cells = max(LEAST_CELLS, min(cells, MOST_CELLS // len(line)))
     v = low[:, None] + (high - low)[:, None] * (np.arange(cells) + 0.5) / cells
     p, su, sv = face.surface.derivatives(np.stack([np.repeat(u[line], cells), v.ravel()], axis=1))
     du, dv = np.repeat(wide[line], cells), np.repeat((high - low) / cells, cells)

@@ -77,7 +77,7 @@ def _check(name, **changes):
             mine = [bead for bead in fill.beads if bead.piece == index]
             # no piece is missing without a word
             assert mine or f"piece {index} (" in said
-            outline = Outline(piece, inset)
+            outline = Outline([piece], inset)
             for bead in mine:
                 gaps, _ = outline.distances(_along(bead.points))
                 # along a skeleton a bead may be wider than the piece: its centre line is inside

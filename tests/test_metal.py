@@ -105,8 +105,9 @@ def test_by_default_every_piece_gets_its_metal(name, fixture_step):
     assert all("is wider than" in words for row in rows for words in row["patterns"])
 
 
-def test_narrow_vanes_on_a_band_get_beads_of_their_own():
-    part = bodies.vaned_band(thickness=2.0)
+@pytest.mark.parametrize("thickness", [1.0, 2.0])
+def test_narrow_vanes_on_a_band_get_beads_of_their_own(thickness):
+    part = bodies.vaned_band(thickness=thickness)
     process = bs.Process(layer_thickness=2.0, step_over=2.0)
     made = bs.plan(part, process, axis="Z", substrate=30.0)
     for layer, fill in zip(made.layers, made.fills, strict=True):
@@ -117,21 +118,43 @@ def test_narrow_vanes_on_a_band_get_beads_of_their_own():
         assert all(b.points[:, 1].max() > 40.0 for b in mine)
         assert "6 narrow lobes" in fill.patterns[0]
         assert fill.metal[0] == pytest.approx(1.0, abs=0.02)
+        # rings between the vanes, up to half a bead from the band's edge, and nothing bare there
+        assert coverage_of(layer.region, fill.beads, process.width).bare_share < 0.005
     # a hatch alone leaves them bare, and that is told of
     bare = bs.plan(part, process.updated(pattern="hatch"), axis="Z", substrate=30.0)
-    assert max(f.metal[0] for f in bare.fills) < 0.98
-    assert [n for n in bare.notices if n.kind is NoticeKind.PIECE_METAL]
+    said = [n for n in bare.notices if n.kind is NoticeKind.NARROW]
+    assert [(n.layers, n.pieces) for n in said] == [(tuple(layer.index for layer in made.layers), (0,))]
+    assert "6 parts of it narrower than a bead get none" in str(said[0])
+    if thickness == 2.0:
+        assert max(f.metal[0] for f in bare.fills) < 0.98
+        assert [n for n in bare.notices if n.kind is NoticeKind.PIECE_METAL]
 
 
-def test_what_is_chosen_for_a_tapering_piece_changes_once():
-    words = []
-    for width in np.linspace(20.0, 2.0, 37):
-        fill = fill_layer(layer_of(polygon((0, 0), (width, 0), (width, 50.0), (0, 50.0))), PROCESS)
-        assert fill.metal[0] == pytest.approx(1.0, abs=0.02)
-        words.append(fill.patterns[0].split(":")[0].split(",")[0] == "hatch")
-    assert words[0]
-    assert not words[-1]
-    assert np.count_nonzero(np.diff(words)) == 1
+def _lens(width):
+    """Two arcs over a chord of 60 mm, `width` apart in the middle."""
+    x = np.linspace(0.0, math.pi, 40)
+    side = np.stack([0.5 * width * np.sin(x), 30.0 * (1.0 - np.cos(x))], axis=1)
+    return [*side, *(side[-2:0:-1] * [-1.0, 1.0])]
+
+
+TAPERS = {
+    "rectangle": lambda w: [(0, 0), (w, 0), (w, 50.0), (0, 50.0)],
+    "trapezium": lambda w: [(0, 0), (w, 0), (0.7 * w, 50.0), (0.3 * w, 50.0)],
+    "parallelogram": lambda w: [(0, 0), (w, 0), (w + 15.0, 50.0), (15.0, 50.0)],
+    "lens": _lens,
+    "step": lambda w: [(0, 0), (w, 0), (w, 25.0), (0.6 * w, 25.0), (0.6 * w, 50.0), (0, 50.0)],
+}
+
+
+@pytest.mark.parametrize("shape", TAPERS)
+def test_what_is_chosen_for_a_tapering_piece_changes_once(shape):
+    hatched = []
+    for width in np.linspace(45.0, 2.5, 40):
+        fill = fill_layer(layer_of(polygon(*TAPERS[shape](width))), PROCESS)
+        assert fill.metal[0] == pytest.approx(1.0, abs=0.02) or [n for n in fill.notes if n.kind is NoticeKind.PIECE_METAL]
+        hatched.append(fill.patterns[0].startswith("hatch"))
+    assert not hatched[-1]
+    assert np.count_nonzero(np.diff(hatched)) <= 1
 
 
 @pytest.mark.parametrize("angle_deg", [0.0, 20.0, 90.0])

@@ -2,11 +2,12 @@
 
 In: the cells of a layer. Out: beads; for each piece, in words, what was chosen and why.
 
-What decides is how wide a piece is. Across a strip of width b a hatch leaves 0.09 w / b bare at its ends, more where it meets
-the edge at an angle, and its beads are b - w long; contours with a skeleton leave less than 2 % bare at any width, and have
-few ends. So a piece most of which has room for three lines side by side is hatched, the others get contours, one inside of the
-other, and a skeleton where these leave something bare. Lobes too narrow for a bead get one along their skeleton, whatever the
-rest of their piece gets: it begins where the piece is as wide as a bead and grows with the lobe from layer to layer.
+What decides is how wide a piece is. Across a strip of width b a hatch leaves 0.09 w / b bare at its ends, and triangles
+where it meets the edge at an angle; contours with a skeleton leave less than 2 % bare at any width, and have few ends. So a
+piece nearly all of which has room for three lines side by side is hatched, the others get contours, one inside of the other,
+and a skeleton where these leave something bare. Lobes too narrow for a bead do not count in that: they get one along their
+skeleton, whatever the rest of their piece gets; it begins where the piece is as wide as a bead and grows with the lobe from
+layer to layer.
 """
 
 from __future__ import annotations
@@ -22,8 +23,9 @@ from .skeleton import Skeleton, beads_in_lobes
 
 # A piece is wide where it has room for lines side by side over so many step-overs, half a bead inside of its outline.
 ROOM = 2.0
-# A piece is hatched if so much of it is wide.
-MOSTLY = 0.5
+# A piece is hatched if so much of it, narrow lobes apart, is wide: teeth and cams then show less than 2 % bare; with 0.9 of it
+# wide a hatch leaves 4 % bare, where contours leave 1.7 %.
+MOSTLY = 0.975
 # By how much spacings may differ from d (a share of it) so that the outermost lines lie at the inset: less than w / d - 1, so
 # that no gap opens between beads.
 STRETCH = 0.25
@@ -51,7 +53,9 @@ class Automatic(Pattern):
         shares = [shape.wide_share(_wide(cell)) for shape, cell in zip(shapes, cells, strict=True)]
         hatched = [i for i, share in enumerate(shares) if share >= MOSTLY]
         hatch = Hatch(angle=self.angle, both_ways=self.both_ways, stretch=self.stretch)
-        made = dict(zip(hatched, hatch.fill_all([cells[i] for i in hatched]), strict=True))
+        made = dict(
+            zip(hatched, hatch.fill_all([replace(cells[i], lobed=bool(shapes[i].lobes)) for i in hatched]), strict=True)
+        )
         out = []
         for i, (cell, shape, share) in enumerate(zip(cells, shapes, shares, strict=True)):
             fill = made.get(i)

@@ -11,7 +11,8 @@ from functools import partial
 
 import numpy as np
 
-from brep_slicer.notices import Notice, NoticeKind
+from brep_slicer.maps import Array
+from brep_slicer.notices import AREA, Notice, NoticeKind
 from brep_slicer.process import InnerPattern, Order, Process, Rule
 from brep_slicer.region import Layer, Piece, band_between, polygon_from_piece
 
@@ -141,7 +142,7 @@ def fill_layer(layer: Layer, process: Process, pattern: PatternChoice | None = N
     beads = tuple(_at_contour_speed(bead, process) for bead in beads)
     sizes = {"step_over": process.step_over, "width": process.width, "inset": process.value("inset")}
     metal = metal_shares(beads, fill.shapes, copies=fill.copies, **sizes)
-    return replace(fill, beads=beads, metal=metal, notes=(*fill.notes, *_off_balance(metal)))
+    return replace(fill, beads=beads, metal=metal, notes=(*fill.notes, *_off_balance(metal), *_bare_lobes(fill)))
 
 
 def _in_short_order(beads: tuple[Bead, ...], layer: Layer, process: Process) -> tuple[Bead, ...]:
@@ -162,6 +163,26 @@ def _off_balance(metal: Sequence[float]) -> tuple[Notice, ...]:
             text = TOO_MUCH if share > 1.0 else TOO_LITTLE
             out.append(Notice(kind=NoticeKind.PIECE_METAL, text=text, pieces=(index,), figures={"share": (share, share)}))
     return tuple(out)
+
+
+def _bare_lobes(fill: LayerFill) -> tuple[Notice, ...]:
+    """Notes on pieces of which parts that are narrower than a bead get none, though the rest of the piece does."""
+    text = "{count} parts of it narrower than a bead get none, {area_mm2} mm2 in all; auto or a smaller bead fills them"
+    lines: dict[int, list[Array]] = {}
+    for bead in fill.beads:
+        lines.setdefault(bead.piece, []).append(bead.points)
+    found: dict[int, tuple[float, float]] = {}
+    for piece, mine in lines.items():
+        leader = fill.copies[piece] if fill.copies else piece
+        if leader not in found:
+            bare = fill.shapes[piece].bare_lobes(mine)
+            found[leader] = float(len(bare)), sum(lobe.area for lobe in bare)
+    return tuple(
+        Notice(kind=NoticeKind.NARROW, text=text, pieces=(piece,), figures={"count": (count, count), AREA: (area, area)})
+        for piece in lines
+        for count, area in [found[fill.copies[piece] if fill.copies else piece]]
+        if count
+    )
 
 
 def _at_its_speed(layer: Layer, fill: LayerFill, process: Process) -> LayerFill:

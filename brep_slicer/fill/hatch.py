@@ -23,6 +23,9 @@ from .scanlines import cut_lines, directions
 
 # Beads lie on one line if they are no farther from it than this, mm.
 SAME_LINE = 1e-6
+# Where lobes stick out of a piece, the outermost lines lie where its inset is this share as wide as in the median, looked for
+# at so many levels, and then by halving these so many times (to 1e-9 of the extent).
+OF_THE_USUAL, LEVELS, HALVINGS = 0.25, 64, 24
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,10 +59,11 @@ class Hatch(Pattern):
         if not flat:
             return out
         edges = [edges_of(insets[i].polygons) for i in flat]
+        extents = [_extent(cells[i], *e, self.angle) for i, e in zip(flat, edges, strict=True)]
         spacing = np.array(
-            [_stretched(e[0], self.angle, cells[i].step_over, self.stretch) for i, e in zip(flat, edges, strict=True)]
+            [_stretched(p, self.angle, cells[i].step_over, self.stretch) for i, p in zip(flat, extents, strict=True)]
         )
-        phase = np.array([_centred(e[0], self.angle, d) for e, d in zip(edges, spacing.tolist(), strict=True)])
+        phase = np.array([_centred(p, self.angle, d) for p, d in zip(extents, spacing.tolist(), strict=True)])
         starts, ends = (np.concatenate([e[k] for e in edges]) for k in (0, 1))
         group = np.repeat(np.arange(len(flat)), [len(e[0]) for e in edges])
         found = cut_lines(starts, ends, angle=self.angle, spacing=spacing, phase=phase, group=group)
@@ -76,9 +80,10 @@ class Hatch(Pattern):
         """A piece that winds: its lines close on themselves and go on across the seam."""
         angle, spacing, k = closing_lines(inset.period, self.angle, cell.step_over)
         starts, ends = edges_of(inset.polygons)
+        extent = _extent(cell, starts, ends, angle)
         if k == 0:
-            spacing = _stretched(starts, angle, spacing, self.stretch)
-        phase = _phase(cell, starts, angle, spacing, k)
+            spacing = _stretched(extent, angle, spacing, self.stretch)
+        phase = _phase(cell, extent, angle, spacing, k)
         if self.start is not None and k:
             phase = float(_lower_edge(cell, inset, cell.piece.radius * self.start) @ directions(angle)[1])
         phase = _off_the_seam(phase, inset, angle, spacing)
@@ -127,6 +132,32 @@ def _met_halfway(before: Array, after: Array, along: Array, period: float) -> Ar
         np.minimum.at(most, side[past], 0.5 * gap[past])
     way = np.where(np.arange(len(before)) < count, -1.0, 1.0)
     return np.where((most < slid)[:, None], before + (way * most.clip(max=1e9))[:, None] * along, after)
+
+
+def _extent(cell: Cell, starts: Array, ends: Array, angle: float) -> Array:
+    """Points of the edges of a cell's inset that say how far it reaches across the lines.
+
+    Where lobes stick out of a piece, its inset reaches a little way into each; no line is to lie there, but where the inset is
+    as wide as anywhere else.
+    """
+    if not cell.lobed:
+        return starts
+    _, across = directions(angle)
+    y = starts @ across
+    low, high = float(y.min()), float(y.max())
+    found = cut_lines(starts, ends, angle=angle, spacing=(high - low) / LEVELS, phase=low + 0.5 * (high - low) / LEVELS)
+    lengths = np.bincount(found.line, weights=np.hypot(*(found.points[:, 1] - found.points[:, 0]).T), minlength=LEVELS)
+    enough = OF_THE_USUAL * float(np.median(lengths))
+    wide = low + (np.flatnonzero(lengths >= enough)[[0, -1]] + 0.5) * (high - low) / LEVELS
+    for side, outside in enumerate((low, high)):
+        for _ in range(HALVINGS):
+            middle = 0.5 * (wide[side] + outside)
+            points = cut_lines(starts, ends, angle=angle, spacing=2.0 * (high - low), phase=middle).points
+            if float(np.hypot(*(points[:, 1] - points[:, 0]).T).sum()) >= enough:
+                wide[side] = middle
+            else:
+                outside = middle
+    return wide[:, None] * across
 
 
 def _stretched(points: Array, angle: float, spacing: float, most: float) -> float:

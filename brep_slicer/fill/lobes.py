@@ -9,9 +9,13 @@ diameter of the largest disc inside of the piece that holds it, so what is a lob
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from brep_slicer.maps import Array
 from brep_slicer.region import Piece, band_between, polygon_from_piece
 
 from .inset import parts_of, three_turns
@@ -67,9 +71,24 @@ class Shape:
         first = cut - SAME_PLACE * period
         return tuple(part for part in found if first <= part.centroid.x < first + period)
 
+    def bare_lobes(self, lines: Sequence[Array]) -> tuple[Polygon, ...]:
+        """The lobes most of which beads along `lines` leave bare."""
+        import shapely
+
+        if not self.lobes:
+            return ()
+        period = self.piece.outer[0].period if self.piece.winds else 0.0
+        shifts = (-period, 0.0, period) if period else (0.0,)
+        tracks = shapely.MultiLineString([line + np.array([s, 0.0]) for line in lines for s in shifts])
+        tracks = tracks.intersection(shapely.MultiPolygon(self.lobes).buffer(self.width))
+        laid = tracks.buffer(0.5 * self.width, quad_segs=QUARTER_SEGMENTS)
+        return tuple(lobe for lobe in self.lobes if lobe.intersection(laid).area < 0.5 * lobe.area)
+
     def wide_share(self, width: float) -> float:
-        """The share of the piece's area that discs of diameter `width` (mm) inside of it reach."""
+        """The share of the piece's area, its lobes apart, that discs of diameter `width` (mm) inside of it reach."""
         room = self.whole.buffer(-0.5 * width, quad_segs=QUARTER_SEGMENTS)
         if room.is_empty:
             return 0.0
-        return float(room.buffer(0.5 * width, quad_segs=QUARTER_SEGMENTS).area / self.whole.area)
+        turns = 3.0 if self.piece.winds else 1.0
+        rest = self.whole.area - turns * sum(lobe.area for lobe in self.lobes)
+        return float(room.buffer(0.5 * width, quad_segs=QUARTER_SEGMENTS).area / rest)

@@ -28,7 +28,8 @@ from .lobes import Shape
 class Cell:
     """What a pattern fills: `piece` number `index`; `inset`, `step_over`, `width`, `chord` in mm; the beads `laid` before.
 
-    What those have to fill ends `border` mm inside of the outline.
+    What those have to fill ends `border` mm inside of the outline. A piece is `lobed` if lobes too narrow for a bead stick out
+    of it, which are not for its lines to fill.
     """
 
     piece: Piece
@@ -39,6 +40,7 @@ class Cell:
     chord: float
     laid: tuple[Bead, ...] = ()
     border: float = 0.0
+    lobed: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -9,12 +9,14 @@ simulated deposit.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from brep_slicer.maps import Array
+
+from .lowered import cut_lines_at, in_zones, lowered
 
 if TYPE_CHECKING:
     from brep_slicer.planning import Plan
@@ -24,6 +26,8 @@ STANDS, PART = np.array([0.72, 0.73, 0.75]), np.array([0.90, 0.87, 0.80])
 FIRST_BEAD, LAST_BEAD, TRAVEL = np.array([0.66, 0.10, 0.14]), np.array([0.93, 0.27, 0.24]), np.array([0.12, 0.37, 0.75])
 # Every second layer is so much lighter, so that layers can be told from one another.
 LIGHTER = 0.12
+# What lies farther out than the planned layers by less than this share of a thickness is the part's own surface.
+TOO_THIN = 0.5
 # A bead's profile: shares of half its width, and the share of its height there.
 ACROSS = np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
 RISE = 1.0 - ACROSS**2
@@ -58,10 +62,14 @@ def joined(meshes: list[Mesh]) -> Mesh:
 
 
 def part_mesh(plan: Plan, deflection: float) -> Mesh:
-    """Every solid of the file: grey what stands, lighter what is to be built, triangulated to `deflection` mm."""
+    """Every solid of the file: grey what stands, lighter what is to be built, triangulated to `deflection` mm.
+
+    Of what is to be built there is no more than the planned layers reach.
+    """
     from brep_slicer.kernel.display import display_mesh
 
     level = plan.substrate.radius + deflection
+    top = top_of(plan)
     out = []
     for solid in (*plan.part.solids, *plan.part.others):
         mesh = display_mesh(solid.wrapped, deflection=deflection)
@@ -69,8 +77,49 @@ def part_mesh(plan: Plan, deflection: float) -> Mesh:
         rho = np.hypot(*plan.axis.axis_from_file(mesh.points)[:, :2].T)
         built = (rho[mesh.triangles] > level).any(axis=1) & (not stands)
         colors = np.where(built[:, None], PART, STANDS)
-        out.append(Mesh(points=mesh.points, normals=mesh.normals, triangles=mesh.triangles, colors=colors, edges=mesh.edges))
+        whole = Mesh(points=mesh.points, normals=mesh.normals, triangles=mesh.triangles, colors=colors, edges=mesh.edges)
+        out.append(whole if stands or rho.max(initial=0.0) <= top else _lowered(plan, whole, top))
     return joined(out)
+
+
+def top_of(plan: Plan) -> float:
+    """The radius (mm) that the planned layers reach; no bound where they are all of the part's."""
+    if not plan.layers:
+        return plan.substrate.radius
+    last = max(plan.layers, key=lambda layer: layer.radius)
+    thickness = last.thickness or 0.0
+    top = last.radius + thickness
+    return top if top < plan.highest - TOO_THIN * thickness else math.inf
+
+
+def _lowered(plan: Plan, mesh: Mesh, top: float) -> Mesh:
+    """A built solid's mesh with nothing beyond `top` (mm), but for its own collars and flanges that stand."""
+    zones = plan.substrate.zones
+    stays = in_zones(mesh.points, mesh.triangles, axis=plan.axis, zones=zones)
+    rho = np.hypot(*plan.axis.axis_from_file(mesh.points)[:, :2].T)
+    cut = (rho[mesh.triangles] > top).any(axis=1) & ~stays
+    soup = lowered(mesh.points, mesh.normals, mesh.triangles[cut], axis=plan.axis, top=top)
+    count = len(soup.points)
+    loose = replace(mesh, triangles=mesh.triangles[~cut], colors=mesh.colors[~cut], edges=np.zeros((0, 2), dtype=int))
+    part = Mesh(
+        points=soup.points.reshape(-1, 3),
+        normals=soup.normals.reshape(-1, 3),
+        triangles=np.arange(3 * count).reshape(-1, 3),
+        colors=np.broadcast_to(PART, (count, 3)),
+        edges=np.zeros((0, 2), dtype=int),
+    )
+    standing = in_zones(mesh.points, mesh.edges, axis=plan.axis, zones=zones)
+    ways = [mesh.points[mesh.edges[standing]], cut_lines_at(mesh.points, mesh.edges[~standing], axis=plan.axis, top=top)]
+    lines = np.concatenate([*ways, soup.lines])
+    none = np.zeros((0, 3))
+    edges = Mesh(
+        points=lines.reshape(-1, 3),
+        normals=np.zeros((2 * len(lines), 3)),
+        triangles=none.astype(int),
+        colors=none,
+        edges=np.arange(2 * len(lines)).reshape(-1, 2),
+    )
+    return joined([loose, part, edges])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -18,6 +18,7 @@ from OCP.TopLoc import TopLoc_Location
 from brep_slicer.maps import Array
 
 from .compat import as_face, sub_shapes
+from .facets import DEFLECTION, Facets
 
 # Faces that meet at less than this (cosine of 20 degrees) look like one.
 SMOOTH = 0.94
@@ -38,8 +39,13 @@ class DisplayMesh:
     edges: Array
 
 
-def display_mesh(solid: Any, *, deflection: float) -> DisplayMesh:
-    """Triangulate a copy of a solid to about `deflection` (mm); faces that OCCT cannot triangulate are left out."""
+def display_mesh(solid: Any, *, deflection: float, known: Facets | None = None) -> DisplayMesh:
+    """Triangulate a copy of a solid to about `deflection` (mm); faces that OCCT cannot triangulate are left out.
+
+    Facets that are `known` already do where they are no coarser than twice that.
+    """
+    if known is not None and deflection_of(known) <= 2.0 * deflection:
+        return _with_normals(known.corners, known.triangles)
     # the caller's solid stays without a triangulation, which would be written along with it
     copy = BRepBuilderAPI_Copy(solid, True, False).Shape()
     BRepMesh_IncrementalMesh(copy, deflection, False, ANGLE, False)
@@ -53,6 +59,11 @@ def display_mesh(solid: Any, *, deflection: float) -> DisplayMesh:
             triangles.append(found[1] + count)
             count += len(found[0])
     return _with_normals(np.concatenate(points), np.concatenate(triangles))
+
+
+def deflection_of(facets: Facets) -> float:
+    """How far facets may lie from their faces, mm."""
+    return DEFLECTION * float(np.linalg.norm(np.ptp(facets.corners, axis=0))) if len(facets.corners) else np.inf
 
 
 def _face(face: Any) -> tuple[Array, Array] | None:

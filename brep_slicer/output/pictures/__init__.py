@@ -3,7 +3,8 @@
 In: a Plan. Out: PNG files. Deposition is red and repositioning blue, as in the paper's Fig. 10.
 """
 
-from .layers import draw_layer, draw_layers
+from .axes import draw_layer
+from .layers import draw_layers
 from .proof import draw_proof
 from .toolpath import draw_toolpath
 

@@ -1,175 +1,175 @@
-"""layers.png: the unrolled layers with their beads at their width.
+"""layers.png: the unrolled layers with their beads at their width, one of them large.
 
 In: a Plan. Out: a picture. Deposition is red and repositioning blue, as in the paper's Fig. 10.
 """
 
 from __future__ import annotations
 
-import itertools
 import math
-from dataclasses import replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from brep_slicer.fill import LayerFill
-from brep_slicer.maps import Array
 from brep_slicer.region import Layer
+from brep_slicer.wording import counted
 
-from .page import DEPOSIT, METAL, OUTLINE, TRAVEL, new_page, saved
+from .canvas import Canvas, Words, rgb, write_words
+from .page import DARK, PALE, name_of, saved
+from .panels import Shown, draw_overview, draw_panel, framed, representative, whole
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
     from brep_slicer.planning import Plan
 
-# A page of layers shows at most this many; more are sampled evenly, first and last among them.
-MOST_PANELS = 8
+# Beside the large one so many layers are shown in small, spread evenly, first and last among them.
+MOST_SMALL = 6
+# The page, its margin, what the title takes; the words above a panel; pixels.
+PAGE, MARGIN, TITLE, WORDS = 1400, 20, 62, 36
+# A large panel that is higher than this share of its width stands beside the small ones, not above them.
+TALL = 0.42
+# Height of a tall panel, a flat one's at most, the overview's at most and at least; pixels.
+HIGH, FLAT, OVERVIEW, LOW = 640, 420, 190, 24
+# Share of the page's width that a tall panel takes at most, and the pixels that its words take.
+SHARE, WORDED = 0.5, 430.0
+KEY = "beads red at their width, a dot where each starts, arrows as they run · repositioning blue · metal beige"
 
-# Moves longer than this share of a turn would only cross the picture, and go the other way round as often as not.
-SHOWN_MOVES = 0.25
-# Pieces are as large as each other within this share.
-ALIKE = 1e-3
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Panel:
+    """A layer's number in the list, the `box` (left, top, width, height) that it is drawn in, `scale` in pixels a mm."""
+
+    of: int
+    box: tuple[float, float, float, float]
+    scale: float
 
 
 def draw_layers(plan: Plan, path: str | Path) -> Path:
-    """The unrolled layers, one panel each."""
-    pairs = [(la, f) for la, f in zip(plan.layers, plan.fills, strict=True) if isinstance(la, Layer) and not la.region.is_empty]
-    chosen = [pairs[i] for i in _spread(len(pairs), MOST_PANELS)]
-    columns, width, height = _page([layer for layer, _ in chosen])
-    rows = math.ceil(len(chosen) / columns)
-    high = height * rows + 0.6
-    figure = new_page(width * columns, high)
-    for k, (layer, fill) in enumerate(chosen):
-        # room for the labels of every panel, in inches
-        left, low = (k % columns) * width + 0.6, high - 0.4 - (k // columns + 1) * height + 0.45
-        box = (left / (width * columns), low / high, (width - 0.75) / (width * columns), (height - 0.95) / high)
-        axes = figure.add_axes(box)
-        draw_layer(axes, *_one_of_equals(layer, fill), width=plan.process.width)
-        count = len(layer.region.pieces)
-        equal = f"{count} pieces" if count > 1 else ""
-        equal = f"1 of {count} equal pieces" if count > 1 and _equal_pieces([layer]) else equal
-        axes.set_title(
-            f"layer {layer.index} · R {layer.radius:.6g} mm\n{layer.area:.5g} mm² · {equal}".rstrip(" ·"), fontsize=8
+    """The middle one of the unrolled layers large, others small; of several pieces one, and all of them in an overview."""
+    pairs = [(la, f) for la, f in zip(plan.layers, plan.fills, strict=True) if not la.region.is_empty]
+    words: list[Words] = [((MARGIN, 38), KEY, 12, PALE, "la")]
+    if not pairs:
+        words.append(((MARGIN, 76), "no layer holds metal", 14, DARK, "la"))
+        return _written(plan, Canvas(PAGE // 2, 120), words, path)
+    main = len(pairs) // 2
+    small = [i for i in _spread(len(pairs), MOST_SMALL + 1) if i != main][:MOST_SMALL]
+    shown = {i: representative(*pairs[i], width=plan.process.width) for i in (main, *small)}
+    every = (
+        whole(*pairs[main], width=plan.process.width) if len(pairs[main][0].region.pieces) > 1 and shown[main].words else None
+    )
+    large, others, overview, height = _laid_out(shown, main, small, every)
+    canvas = Canvas(PAGE, height)
+    for panel in (large, *others):
+        what, layer = shown[panel.of], pairs[panel.of][0]
+        frame = framed(what.window, panel.box, panel.scale)
+        draw_panel(canvas, what, frame, width=plan.process.width, large=panel is large)
+        words += _words_of(layer, len(pairs[panel.of][1].beads), what, panel, large=panel is large)
+        if panel is large:
+            words += _scale_bar(canvas, panel)
+    if every is not None and overview is not None:
+        draw_overview(canvas, every, shown[main], framed(every.window, overview.box, overview.scale))
+        text = (
+            f"all of layer {pairs[main][0].index}, {counted(len(every.layer.region.pieces), 'piece')}; the one above is darker"
         )
-    shown = "" if len(chosen) == len(plan.layers) else f" ({len(chosen)} of {len(plan.layers)} shown)"
-    title = f"{Path(plan.part.source).name}: unrolled layers{shown} · beads red, a dot at their starts; repositioning blue"
-    figure.suptitle(title, fontsize=11)
-    return saved(figure, plan, path)
+        words.append(((overview.box[0], overview.box[1] - 16), text, 12, PALE, "la"))
+    return _written(plan, canvas, words, path)
 
 
-def draw_layer(axes: Axes, layer: Layer, fill: LayerFill, *, width: float | None = None) -> None:
-    """One unrolled layer with its beads on given axes: kappa across, v up, mm, equal scales.
-
-    With their `width` (mm) the beads are drawn as broad as they are, with a dot where each starts.
-    """
-    from matplotlib.collections import LineCollection
-    from matplotlib.patches import PathPatch
-    from matplotlib.path import Path as Outline
-
-    for polygon in _metal(layer):
-        rings = [np.asarray(ring.coords) for ring in (polygon.exterior, *polygon.interiors)]
-        outline = Outline.make_compound_path(*[Outline(ring, closed=True) for ring in rings])
-        axes.add_patch(PathPatch(outline, facecolor=METAL, edgecolor="none", zorder=0))
-    for loop in layer.region.loops:
-        axes.plot(*_shown(loop.sample(0.02), layer).T, color=OUTLINE, linewidth=0.8, zorder=3)
-    lines = [_shown(bead.points, layer) for bead in fill.beads]
-    axes.add_collection(LineCollection(lines, colors=DEPOSIT, linewidths=0.9, zorder=2))
-    moves = [
-        _shown(np.array([a.points[-1], b.points[0]]), layer)
-        for a, b in zip(fill.beads, fill.beads[1:], strict=False)
-        if np.hypot(*(b.points[0] - a.points[-1])) < SHOWN_MOVES * layer.region.period
-    ]
-    axes.add_collection(LineCollection(moves, colors=TRAVEL, linewidths=0.6, linestyles=(0, (3, 2)), zorder=1))
-    if width is not None:
-        _draw_widths(axes, lines, width)
-    axes.set_aspect("equal")
-    axes.autoscale_view()
-    axes.set_title(f"layer {layer.index} · R {layer.radius:.6g} mm · {layer.area:.5g} mm²", fontsize=8)
-    axes.set_xlabel("κ = Rθ, mm", fontsize=7)
-    axes.set_ylabel("v, mm", fontsize=7)
-    axes.tick_params(labelsize=6)
+def _written(plan: Plan, canvas: Canvas, words: list[Words], path: str | Path) -> Path:
+    page = canvas.page()
+    write_words(
+        page, [((MARGIN, 12), f"{name_of(plan)}: {counted(len(plan.layers), 'layer')}, unrolled", 18, DARK, "la")], bold=True
+    )
+    write_words(page, words)
+    return saved(page, plan, path)
 
 
-def _draw_widths(axes: Axes, lines: list[Array], width: float) -> None:
-    """Beads as broad as they are, and their starts."""
-    import shapely
-    from matplotlib.collections import PolyCollection
-
-    parts = [part for line in lines for part in np.split(line, np.flatnonzero(np.isnan(line[:, 0]))) if len(part) > 1]
-    parts = [part[~np.isnan(part[:, 0])] for part in parts]
-    strips = shapely.buffer([shapely.LineString(part) for part in parts if len(part) > 1], 0.5 * width, quad_segs=6)
-    shells = [np.asarray(strip.exterior.coords) for strip in strips]
-    axes.add_collection(PolyCollection(shells, facecolors=DEPOSIT, edgecolors=DEPOSIT, linewidths=0.3, alpha=0.22, zorder=1.5))
-    if lines:
-        starts = np.array([line[0] for line in lines])
-        axes.scatter(starts[:, 0], starts[:, 1], s=7.0, color=DEPOSIT, linewidths=0.0, zorder=4)
-
-
-def _one_of_equals(layer: Layer, fill: LayerFill) -> tuple[Layer, LayerFill]:
-    """Of equal pieces the one nearest to kappa = 0 with its beads, large enough to be seen; any other layer as it is."""
-    if len(layer.region.pieces) < 2 or not _equal_pieces([layer]):
-        return layer, fill
-    pieces = layer.region.pieces
-    chosen = min(range(len(pieces)), key=lambda i: abs(sum(pieces[i].bounds()[::2])))
-    region = replace(layer.region, pieces=(pieces[chosen],))
-    return replace(layer, region=region), replace(fill, beads=tuple(bead for bead in fill.beads if bead.piece == chosen))
-
-
-def _shown(points: Array, layer: Layer) -> Array:
-    """Points of a full band drawn in the chart of -half a turn to +half a turn; a line that crosses the seam is broken."""
-    if not _is_band(layer):
-        return points
-    period = layer.region.period
-    turns = np.floor(points[:, 0] / period + 0.5)
-    if turns.min() == turns.max():
-        return points - np.array([turns[0] * period, 0.0])
-    return _broken(points, period)
+def _laid_out(
+    shown: dict[int, Shown], main: int, small: list[int], every: Shown | None
+) -> tuple[Panel, list[Panel], Panel | None, int]:
+    """The large panel, the small ones, the overview if there is one, and the page's height."""
+    wide, high = _size(shown[main])
+    room = PAGE - 2 * MARGIN
+    top = TITLE + WORDS
+    if high > TALL * wide:
+        scale = min(HIGH / high, (SHARE * room if small else room) / wide)
+        # the words above it need room, too
+        width = max(scale * wide, WORDED)
+        large = Panel(of=main, box=(MARGIN, top, width, HIGH), scale=scale)
+        # the small ones use what the large one leaves
+        left = MARGIN + width + 2 * MARGIN
+        others, _ = _small_ones(shown, small, (left, TITLE, PAGE - MARGIN - left, top + HIGH - TITLE))
+        bottom: float = top + HIGH
+    else:
+        scale = min(room / wide, FLAT / high)
+        large = Panel(of=main, box=(MARGIN, top, room, scale * high), scale=scale)
+        low = top + scale * high + MARGIN + 26
+        others, bottom = _small_ones(shown, small, (MARGIN, low, room, math.inf))
+    if every is None:
+        return large, others, None, round(bottom + 36)
+    w, h = _size(every)
+    scale = min(room / w, OVERVIEW / h)
+    box = (MARGIN, bottom + 56.0, room, max(scale * h, LOW))
+    return large, others, Panel(of=main, box=box, scale=scale), round(box[1] + box[3] + MARGIN)
 
 
-def _is_band(layer: Layer) -> bool:
-    return any(piece.winds for piece in layer.region.pieces)
+def _small_ones(shown: dict[int, Shown], small: list[int], box: tuple[float, float, float, float]) -> tuple[list[Panel], float]:
+    """Panels of one scale in the columns that make them largest, and where they end; a box may be endless downwards."""
+    left, top, width, height = box
+    if not small:
+        return [], top - WORDS if math.isinf(height) else top + height
+    sizes = np.array([_size(shown[i]) for i in small])
+    wide, high = sizes.max(axis=0)
+    best = (0.0, 1)
+    for columns in range(1, len(small) + 1):
+        rows = math.ceil(len(small) / columns)
+        # words need room, however narrow a piece is
+        cell = (width - (columns - 1) * MARGIN) / columns
+        tall = height / rows - WORDS - MARGIN if math.isfinite(height) else FLAT / rows
+        if cell >= 150.0 and tall > 0.0:
+            # an uneven last row is so much page that shows nothing
+            best = max(best, (min(cell / wide, tall / high) * len(small) / (rows * columns), columns))
+    columns = best[1]
+    rows = math.ceil(len(small) / columns)
+    cell = (width - (columns - 1) * MARGIN) / columns
+    scale = best[0] * rows * columns / len(small) if best[0] else min(cell / wide, FLAT / high)
+    tall = height / rows if math.isfinite(height) else scale * high + WORDS + MARGIN
+    panels = []
+    for k, i in enumerate(small):
+        x, y = left + k % columns * (cell + MARGIN), top + k // columns * tall
+        panels.append(Panel(of=i, box=(x, y + WORDS, cell, tall - WORDS - MARGIN), scale=scale))
+    return panels, top + rows * tall - MARGIN
 
 
-def _metal(layer: Layer) -> list[Any]:
-    """The region's polygons, in the chart of one turn where `_shown` draws its outline in it."""
-    import shapely
-    from shapely.affinity import translate
-
-    polygons = list(layer.region.to_shapely(chord=0.02).geoms)
-    if not _is_band(layer):
-        return polygons
-    period, out = layer.region.period, []
-    for polygon in polygons:
-        low, bottom, high, top = polygon.bounds
-        window = shapely.box(-0.5 * period, bottom - 1.0, 0.5 * period, top + 1.0)
-        for turn in range(math.floor(low / period + 0.5), math.ceil(high / period - 0.5) + 1):
-            # a ring that a sample's error makes cross itself cannot be cut
-            moved = shapely.make_valid(translate(polygon, -turn * period)).intersection(window)
-            out += [part for part in shapely.get_parts(moved) if part.geom_type == "Polygon" and part.area > 0.0]
-    return out
+def _size(what: Shown) -> tuple[float, float]:
+    left, low, right, top = what.window
+    return max(right - left, 1e-6), max(top - low, 1e-6)
 
 
-def _broken(points: Array, period: float) -> Array:
-    """The chain cut at every seam it crosses, also in one of its points, with NaN between the parts."""
-    out: list[Array] = []
-    last = None
-    for a, b in itertools.pairwise(points):
-        low, high = sorted((a[0], b[0]))
-        seams = np.arange(np.floor(low / period + 0.5), np.ceil(high / period - 0.5) + 1) * period + 0.5 * period
-        seams = seams[(seams > low) & (seams < high)]
-        share = np.sort((seams - a[0]) / (b[0] - a[0])) if len(seams) else np.zeros(0)
-        knots = np.concatenate([[0.0], share, [1.0]])
-        for s0, s1 in itertools.pairwise(knots):
-            ends = np.array([a + s * (b - a) for s in (s0, s1)])
-            turn = np.floor((0.5 * (ends[0, 0] + ends[1, 0])) / period + 0.5)
-            if turn != last:
-                out += [np.full((1, 2), np.nan)] if out else []
-                out.append(ends[:1] - [turn * period, 0.0])
-            out.append(ends[1:] - [turn * period, 0.0])
-            last = turn
-    return np.concatenate(out)
+def _words_of(layer: Layer, beads: int, what: Shown, panel: Panel, *, large: bool) -> list[Words]:
+    """Two lines above a panel."""
+    x, y = panel.box[0], panel.box[1] - WORDS
+    first = f"layer {layer.index} · R {layer.radius:.6g} mm"
+    second = f"{layer.area:.5g} mm² · {counted(beads, 'bead')}"
+    if not large:
+        return [((x, y), first, 13, DARK, "la"), ((x, y + 16), second, 11, PALE, "la")]
+    k0, v0, k1, v1 = what.metal
+    chosen = f" · {what.words} shown" if what.words else ""
+    size = f"{k1 - k0:.4g} mm round (κ) by {v1 - v0:.4g} mm along (v)"
+    return [((x, y - 4), f"{first} · {second}", 14, DARK, "la"), ((x, y + 15), f"{size}{chosen}", 12, PALE, "la")]
+
+
+def _scale_bar(canvas: Canvas, panel: Panel) -> list[Words]:
+    length = round_length(140.0 / panel.scale)
+    x, y = panel.box[0], panel.box[1] + panel.box[3] + 12.0
+    canvas.line(np.array([[x, y], [x + length * panel.scale, y]]), rgb(DARK), 2.0)
+    return [((x + length * panel.scale + 8, y), f"{length:g} mm", 12, DARK, "lm")]
+
+
+def round_length(about: float) -> float:
+    """The largest of 1, 2, 5, 10, ... that is no longer than `about`, mm."""
+    decade = 10.0 ** math.floor(math.log10(about))
+    return max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= about)
 
 
 def _spread(count: int, most: int) -> list[int]:
@@ -178,23 +178,4 @@ def _spread(count: int, most: int) -> list[int]:
     return sorted({round(i * (count - 1) / (most - 1)) for i in range(most)})
 
 
-def _page(layers: list[Layer]) -> tuple[int, float, float]:
-    """Columns, and the size of a panel in inches, from the widest and highest layer."""
-    boxes = np.array([piece.bounds() for layer in layers for piece in layer.region.pieces])
-    wide = max((boxes[:, 2] - boxes[:, 0]).max() if _equal_pieces(layers) else np.ptp(boxes[:, ::2]), 1e-6)
-    if any(_is_band(layer) for layer in layers):
-        wide = max(layer.region.period for layer in layers)
-    ratio = (boxes[:, 3].max() - boxes[:, 1].min()) / wide
-    columns = 1 if ratio < 0.25 else 2 if ratio < 0.6 else 3 if ratio < 1.0 else 4
-    columns = min(columns, len(layers))
-    width = 11.0 / columns
-    return columns, width, min(max((width - 0.75) * ratio + 1.0, 1.8), 4.6)
-
-
-def _equal_pieces(layers: list[Layer]) -> bool:
-    """Whether every layer is shown by one of its pieces."""
-    for layer in layers:
-        areas = [piece.area() for piece in layer.region.pieces]
-        if _is_band(layer) or min(areas) <= (1.0 - ALIKE) * max(areas):
-            return False
-    return True
+__all__ = ["draw_layers", "round_length"]

@@ -51,7 +51,9 @@ def seen(places: Array, depth: Array, triangles: Array, size: tuple[int, int], *
     keys = np.zeros(size[0] * size[1], dtype=np.int64)
     low, high = (float(depth.min()), float(depth.max())) if len(depth) else (0.0, 0.0)
     scale = (DEPTH_STEPS - 4) / max(high - low, 1e-300)
-    numbers = np.arange(len(triangles)) if both_sides else np.flatnonzero(_facing(places, triangles))
+    numbers = _met(places, triangles, size)
+    if not both_sides:
+        numbers = numbers[_facing(places, triangles[numbers])]
     planes = planes_of(places, (depth - low) * scale + 1.0, triangles[numbers])
     spans = _spans(places, triangles[numbers], size)
     for of, row, begin, count in spans:
@@ -66,6 +68,11 @@ def seen(places: Array, depth: Array, triangles: Array, size: tuple[int, int], *
         triangle=np.where(hit, keys & ((1 << NUMBER_BITS) - 1), -1),
         depth=np.where(hit, ((keys >> NUMBER_BITS) - 1.0) / scale + low, -np.inf),
     )
+
+
+def along(points: Array, way: Array) -> Array:
+    """How far points (n, 3) lie along a vector (3,); a library's threads would take longer to wake than this takes."""
+    return points[:, 0] * way[0] + points[:, 1] * way[1] + points[:, 2] * way[2]
 
 
 def planes_of(places: Array, values: Array, triangles: Array) -> Array:
@@ -95,19 +102,27 @@ def _facing(places: Array, triangles: Array) -> Array:
     return _cross(b - a, c - a) < 0.0
 
 
+def _met(places: Array, triangles: Array, size: tuple[int, int]) -> NDArray[np.int64]:
+    """The triangles that may have a pixel's middle in them: small ones lie between, others beside the page."""
+    met = np.ones(len(triangles), dtype=bool)
+    for values, end in ((places[:, 0], size[1]), (places[:, 1], size[0])):
+        # as whole pixels, which is less to move about
+        pixels = np.clip(np.ceil(values - 0.5), 0, end).astype(np.int32)
+        a, b, c = (pixels[triangles[:, k]] for k in range(3))
+        met &= (a != b) | (b != c)
+    return np.flatnonzero(met)
+
+
 def _spans(places: Array, triangles: Array, size: tuple[int, int]) -> list[tuple[Array, Array, Array, Array]]:
     """(triangle, row, first column, number of columns) of every row in every triangle, in lists that memory can hold."""
     height, width = size
-    corners = places[triangles]
-    y = corners[..., 1]
-    first = np.clip(np.ceil(y.min(axis=1, initial=np.inf) - 0.5), 0, height).astype(int)
-    rows = np.maximum(np.clip(np.ceil(y.max(axis=1, initial=-np.inf) - 0.5), 0, height).astype(int) - first, 0)
-    # what lies beside the page has no span on it
-    x = corners[..., 0]
-    rows[(x.max(axis=1, initial=-np.inf) < 0.0) | (x.min(axis=1, initial=np.inf) > width)] = 0
+    x, y = ([column[triangles[:, k]] for k in range(3)] for column in places.T)
+    first = np.clip(np.ceil(np.minimum(np.minimum(y[0], y[1]), y[2]) - 0.5), 0, height).astype(int)
+    last = np.clip(np.ceil(np.maximum(np.maximum(y[0], y[1]), y[2]) - 0.5), 0, height).astype(int)
+    rows = last - first
     of = np.repeat(np.arange(len(triangles)), rows)
     row = np.arange(len(of)) - np.repeat(np.cumsum(rows) - rows, rows) + first[of]
-    begin, end = _ends_of_spans(corners, of, row + 0.5)
+    begin, end = _ends_of_spans(x, y, of, row + 0.5)
     begin = np.clip(np.ceil(begin - 0.5), 0, width).astype(int)
     count = np.clip(np.ceil(end - 0.5), 0, width).astype(int) - begin
     some = count > 0
@@ -117,19 +132,25 @@ def _spans(places: Array, triangles: Array, size: tuple[int, int]) -> list[tuple
     return list(zip(*(np.split(column, cuts) for column in (of, row, begin, count)), strict=True))
 
 
-def _ends_of_spans(corners: Array, of: Array, y: Array) -> tuple[Array, Array]:
-    """Where rows enter and leave their triangles, in pixels from the left."""
-    begin, end = np.full(len(y), np.inf), np.full(len(y), -np.inf)
+def _ends_of_spans(x: list[Array], y: list[Array], of: Array, middle: Array) -> tuple[Array, Array]:
+    """Where rows enter and leave their triangles, in pixels from the left; each row meets two sides, or none.
+
+    `x` and `y` are the corners', `middle` is the height of each row.
+    """
+    begin, end = np.full(len(middle), np.inf), np.full(len(middle), -np.inf)
+    above = [y[k][of] <= middle for k in range(3)]
     for k in range(3):
-        p, q = corners[:, k], corners[:, (k + 1) % 3]
-        rise = q[:, 1] - p[:, 1]
-        lean = (q[:, 0] - p[:, 0]) / np.where(rise == 0.0, np.inf, rise)
-        crosses = (p[of, 1] <= y) != (q[of, 1] <= y)
-        x = p[of, 0] + (y - p[of, 1]) * lean[of]
-        begin = np.minimum(begin, np.where(crosses, x, np.inf))
-        end = np.maximum(end, np.where(crosses, x, -np.inf))
-    met = begin <= end
-    return np.where(met, begin, 0.0), np.where(met, end, 0.0)
+        p, q = k, (k + 1) % 3
+        rise = y[q] - y[p]
+        lean = (x[q] - x[p]) / np.where(rise == 0.0, np.inf, rise)
+        met = np.flatnonzero(above[p] != above[q])
+        side = of[met]
+        at = x[p][side] + (middle[met] - y[p][side]) * lean[side]
+        begin[met] = np.minimum(begin[met], at)
+        end[met] = np.maximum(end[met], at)
+    none = begin > end
+    begin[none] = end[none] = 0.0
+    return begin, end
 
 
 def dots_on_lines(places: Array, depth: Array, pairs: Array, size: tuple[int, int]) -> tuple[Array, Array]:

@@ -28,9 +28,8 @@ FIRST_BEAD, LAST_BEAD, TRAVEL = np.array([0.66, 0.10, 0.14]), np.array([0.93, 0.
 LIGHTER = 0.12
 # What lies farther out than the planned layers by less than this share of a thickness is the part's own surface.
 TOO_THIN = 0.5
-# A bead's profile: shares of half its width, and the share of its height there.
-ACROSS = np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
-RISE = 1.0 - ACROSS**2
+# A bead's profile: shares of half its width (its height there is 1 - share**2 of its own); a plain one where a bead is small.
+FINE_PROFILE, PLAIN_PROFILE = np.array([-1.0, -0.5, 0.0, 0.5, 1.0]), np.array([-1.0, 0.0, 1.0])
 # A bead's round end is drawn in so many steps.
 ROUND = 2
 # A bead is no farther to one side at a corner than so many halves of its width.
@@ -72,7 +71,7 @@ def part_mesh(plan: Plan, deflection: float) -> Mesh:
     top = top_of(plan)
     out = []
     for solid in (*plan.part.solids, *plan.part.others):
-        mesh = display_mesh(solid.wrapped, deflection=deflection)
+        mesh = display_mesh(solid.wrapped, deflection=deflection, known=solid.known.get("facets"))
         stands = solid.index in plan.substrate.solids or solid in plan.part.others
         rho = np.hypot(*plan.axis.axis_from_file(mesh.points)[:, :2].T)
         built = (rho[mesh.triangles] > level).any(axis=1) & (not stands)
@@ -170,8 +169,8 @@ def stretches_of(plan: Plan, longest: float) -> Stretches:
     )
 
 
-def bead_mesh(plan: Plan, stretches: Stretches, chosen: Array) -> Mesh:
-    """The `chosen` stretches (indices) as raised tracks, mitred where a bead goes on, round where it ends."""
+def bead_mesh(plan: Plan, stretches: Stretches, chosen: Array, profile: Array) -> Mesh:
+    """The `chosen` stretches (indices) as raised tracks of a `profile`, mitred where a bead goes on, round where it ends."""
     half = 0.5 * plan.process.width
     way = _unit(stretches.b - stretches.a)
     side = _unit(np.cross(_unit(stretches.normal_a + stretches.normal_b), way))
@@ -186,38 +185,47 @@ def bead_mesh(plan: Plan, stretches: Stretches, chosen: Array) -> Mesh:
     still = np.zeros_like(way)
     parts = [
         _tube(
-            [_ring(of.a, left_a, still, of.normal_a, rise, half), _ring(of.b, left_b, still, of.normal_b, rise, half)], colors
+            [
+                _ring(of.a, left_a, still, of.normal_a, rise, half, profile),
+                _ring(of.b, left_b, still, of.normal_b, rise, half, profile),
+            ],
+            colors,
         ),
-        _end(of.a[first], -way[first], -side[first], of.normal_a[first], rise[first], half, colors[first]),
-        _end(of.b[last], way[last], side[last], of.normal_b[last], rise[last], half, colors[last]),
+        _end(of.a[first], -way[first], -side[first], of.normal_a[first], rise[first], half, colors[first], profile),
+        _end(of.b[last], way[last], side[last], of.normal_b[last], rise[last], half, colors[last], profile),
     ]
     return joined(parts)
 
 
-def _ring(p: Array, left: Array, ahead: Array, normal: Array, rise: Array, half: float) -> tuple[Array, Array]:
-    """The profile's points and normals, (n, 5, 3), `half` wide along `left`, moved `ahead` (both in halves of the width)."""
-    x = ACROSS[:, None] * left[:, None] + ahead[:, None]
+def _ring(p: Array, left: Array, ahead: Array, normal: Array, rise: Array, half: float, profile: Array) -> tuple[Array, Array]:
+    """The profile's points and normals, (n, k, 3), `half` wide along `left`, moved `ahead` (both in halves of the width)."""
+    x = profile[:, None] * left[:, None] + ahead[:, None]
     # a parabola along the bead, a paraboloid over its end
-    up = (rise * (1.0 - np.einsum("ij,ij->i", ahead, ahead)))[:, None, None] * RISE[:, None]
+    up = (rise * (1.0 - np.einsum("ij,ij->i", ahead, ahead)))[:, None, None] * (1.0 - profile**2)[:, None]
     tilt = 2.0 * rise[:, None, None] / half * x
     return p[:, None] + half * x + up * normal[:, None], _unit(normal[:, None] + tilt)
 
 
-def _end(p: Array, way: Array, side: Array, normal: Array, rise: Array, half: float, colors: Array) -> Mesh:
+def _end(p: Array, way: Array, side: Array, normal: Array, rise: Array, half: float, colors: Array, profile: Array) -> Mesh:
     """Half a paraboloid beyond a bead's last point."""
     rings = [
-        _ring(p, math.cos(a) * side, math.sin(a) * way, normal, rise, half) for a in np.linspace(0.0, 0.5 * math.pi, ROUND + 1)
+        _ring(p, math.cos(a) * side, math.sin(a) * way, normal, rise, half, profile)
+        for a in np.linspace(0.0, 0.5 * math.pi, ROUND + 1)
     ]
-    return _tube(rings, colors)
+    return _tube(rings, colors, pointed=True)
 
 
-def _tube(rings: list[tuple[Array, Array]], colors: Array) -> Mesh:
+def _tube(rings: list[tuple[Array, Array]], colors: Array, *, pointed: bool = False) -> Mesh:
     """A skin over rings that follow one another; `colors` (n, 3), one a tube."""
     points = np.concatenate([ring[0] for ring in rings], axis=1)
     normals = np.concatenate([ring[1] for ring in rings], axis=1)
-    five = len(ACROSS)
-    k = (np.arange(five - 1) + five * np.arange(len(rings) - 1)[:, None]).ravel()
-    corners = np.concatenate([np.stack([k, k + five, k + 1], axis=1), np.stack([k + 1, k + five, k + five + 1], axis=1)])
+    each = rings[0][0].shape[1]
+    k = (np.arange(each - 1) + each * np.arange(len(rings) - 1)[:, None]).ravel()
+    # a skin that ends in a point has single triangles there
+    pairs = k[: len(k) - each + 1] if pointed else k
+    corners = np.concatenate(
+        [np.stack([k, k + each, k + 1], axis=1), np.stack([pairs + 1, pairs + each, pairs + each + 1], axis=1)]
+    )
     base = (np.arange(len(points)) * points.shape[1])[:, None, None]
     return Mesh(
         points=points.reshape(-1, 3),

@@ -15,19 +15,22 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from brep_slicer.maps import Array
+from brep_slicer.wording import counted
 
-from .page import DPI, name_of, new_page, saved
-from .raster import Seen, dots_on_lines, planes_of, seen, values_at
-from .scene import TRAVEL, Mesh, bead_mesh, part_mesh, stretches_of
+from .canvas import write_words
+from .layers import round_length
+from .page import DARK, PALE, name_of, saved
+from .raster import Seen, along, dots_on_lines, planes_of, seen, values_at
+from .scene import FINE_PROFILE, PLAIN_PROFILE, TRAVEL, Mesh, bead_mesh, part_mesh, stretches_of
 from .views import View, slant_of, views_of
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from PIL.Image import Image
 
     from brep_slicer.planning import Plan
 
 # Pixels that a page's views have in all, their height over width at most and at least, and what is kept free around them.
-PIXELS, TALLEST, WIDEST, MARGIN, TITLE = 480_000, 1.25, 0.4, 14, 46
+PIXELS, TALLEST, WIDEST, MARGIN, TITLE = 500_000, 1.25, 0.4, 14, 46
 KEY = (
     "beads red, dark to light from first to last layer · repositioning on the last layer blue · part beige, standing metal grey"
 )
@@ -38,28 +41,35 @@ LIGHT, AMBIENT, GLOSS = np.array([-0.42, 0.34, 0.842]), 0.48, 0.16
 EDGE, EDGE_STRENGTH, TRAVEL_STRENGTH = np.array([0.22, 0.22, 0.24]), 0.75, 0.8
 # Lines lie on surfaces: they count as in front of what hides them by less than this share of the page's width.
 LINE_SLACK = 4e-3
+# A bead narrower than this is too small for a fine profile to be seen, pixels.
+SMALL_BEAD = 24.0
+# Half a side of the square that holds the three directions, pixels.
+TRIAD = 36
 # Neighbouring pixels whose brightness differs by more than this have an edge between them, which is made smooth.
 STEP = 0.10
 
 
 def draw_toolpath(plan: Plan, path: str | Path) -> Path:
     """The toolpath on the part, from where every place that gets metal is in sight."""
+    from PIL import Image
+
     laid = plan.toolpath.points[plan.toolpath.deposits]
     extent = float(np.linalg.norm(np.ptp(laid, axis=0))) if len(laid) else 1.0
     mesh = part_mesh(plan, max(DEFLECTION * extent, 1e-6))
     views = views_of(plan, mesh)
     sizes, places, page = _layout(views)
-    figure = new_page(page[0] / DPI, page[1] / DPI)
     image = np.full((page[1], page[0], 3), 255, dtype=np.uint8)
     for view, (height, width), (left, top) in zip(views, sizes, places, strict=True):
         image[top : top + height, left : left + width] = rendered(plan, mesh, view, (height, width))
-        _scale_bar(figure, view, (height, width), (left, page[1] - top - height), page)
-        _directions(figure, view, (left + width, page[1] - top - height), page)
+    picture = Image.fromarray(image)
+    for view, size, corner in zip(views, sizes, places, strict=True):
+        _write_scale(picture, view, size, corner)
+        _draw_directions(picture, view, size, corner)
     count = len({layer.index for layer in plan.layers})
-    title = f"{name_of(plan)}: {count} layers on R {plan.substrate.radius:.6g} mm"
-    figure.text(MARGIN / page[0], 1.0 - 8 / page[1], title, fontsize=12, va="top", weight="bold")
-    figure.text(MARGIN / page[0], 1.0 - 28 / page[1], KEY, fontsize=8, va="top", color="0.3")
-    return saved(figure, plan, path, under=image)
+    title = f"{name_of(plan)}: {counted(count, 'layer')} on R {plan.substrate.radius:.6g} mm"
+    write_words(picture, [((MARGIN, 7), title, 17, DARK, "la")], bold=True)
+    write_words(picture, [((MARGIN, 29), KEY, 12, PALE, "la")])
+    return saved(picture, plan, path)
 
 
 def _layout(views: list[View]) -> tuple[list[tuple[int, int]], list[tuple[int, int]], tuple[int, int]]:
@@ -67,7 +77,7 @@ def _layout(views: list[View]) -> tuple[list[tuple[int, int]], list[tuple[int, i
     ratios = [min(max((v.box[3] - v.box[1]) / (v.box[2] - v.box[0]), WIDEST), TALLEST) for v in views]
     sizes = []
     for ratio in ratios:
-        width = math.sqrt(PIXELS / len(views) ** 0.5 / ratio)
+        width = math.sqrt(PIXELS / len(views) / ratio)
         sizes.append((round(width * ratio), round(width)))
     side_by_side = len(views) == 1 or ratios[0] > 0.62
     places, at = [], [MARGIN, TITLE]
@@ -117,7 +127,7 @@ def _fitted(view: View, size: tuple[int, int]) -> tuple[float, View]:
 
 
 def _placed(view: View, mesh: Mesh, scale: float) -> tuple[Array, Array]:
-    return view.places(mesh.points, scale), mesh.points @ view.towards
+    return view.places(mesh.points, scale), along(mesh.points, view.towards)
 
 
 def _beads(plan: Plan, view: View, scale: float, depth: Array, slant: Array, size: tuple[int, int]) -> Mesh:
@@ -129,8 +139,9 @@ def _beads(plan: Plan, view: View, scale: float, depth: Array, slant: Array, siz
     room = 2.0 * width * scale
     on_page = ((place > -room) & (place < np.array([wide, high]) + room)).all(axis=1)
     pixel = np.clip(place[:, 1], 0, high - 1).astype(int) * wide + np.clip(place[:, 0], 0, wide - 1).astype(int)
-    near = middle @ view.towards > depth[pixel] - 3.0 * width * slant[pixel]
-    return bead_mesh(plan, tracks, np.flatnonzero(on_page & near))
+    near = along(middle, view.towards) > depth[pixel] - 3.0 * width * slant[pixel]
+    profile = FINE_PROFILE if width * scale > SMALL_BEAD else PLAIN_PROFILE
+    return bead_mesh(plan, tracks, np.flatnonzero(on_page & near), profile)
 
 
 def _shade(colors: Array, view: View, mesh: Mesh, page: Seen, where: Array, scale: float, size: tuple[int, int]) -> None:
@@ -142,7 +153,7 @@ def _shade(colors: Array, view: View, mesh: Mesh, page: Seen, where: Array, scal
     light = np.stack([view.right, view.up, view.towards], axis=1) @ LIGHT
     places, halfway = view.places(mesh.points, scale), light + view.towards
     lit, gloss = (
-        np.clip(values_at(planes_of(places, mesh.normals @ way, corners), owner, pixel, size[1]), 0.0, 1.0)
+        np.clip(values_at(planes_of(places, along(mesh.normals, way), corners), owner, pixel, size[1]), 0.0, 1.0)
         for way in (light, halfway / np.linalg.norm(halfway))
     )
     bright = AMBIENT + (1.0 - AMBIENT) * lit
@@ -171,34 +182,42 @@ def _lines(view: View, points: Array, pairs: Array, depth: Array, scale: float, 
     """Pixels of the lines between `pairs` of points that nothing at `depth` hides, each once."""
     if not len(pairs):
         return np.zeros(0, dtype=int)
-    pixel, z = dots_on_lines(view.places(points, scale), points @ view.towards, pairs, size)
+    pixel, z = dots_on_lines(view.places(points, scale), along(points, view.towards), pairs, size)
     flags = np.zeros(size[0] * size[1], dtype=bool)
     flags[pixel[z > depth[pixel]]] = True
     return np.flatnonzero(flags)
 
 
-def _scale_bar(figure: Figure, view: View, size: tuple[int, int], corner: tuple[int, int], page: tuple[int, int]) -> None:
-    from matplotlib.lines import Line2D
+def _write_scale(picture: Image, view: View, size: tuple[int, int], corner: tuple[int, int]) -> None:
+    """A bar of a round length in the view's lower left corner."""
+    from PIL import ImageDraw
 
     scale, _ = _fitted(view, size)
-    about = 0.18 * size[1] / scale
-    decade = 10.0 ** math.floor(math.log10(about))
-    length = max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= about)
-    x, y = (corner[0] + 6) / page[0], (corner[1] + 8) / page[1]
-    figure.add_artist(Line2D([x, x + length * scale / page[0]], [y, y], color="0.1", lw=2.0, solid_capstyle="butt"))
-    figure.text(x, y + 5 / page[1], f"{length:g} mm", fontsize=8, color="0.1")
+    length = round_length(0.18 * size[1] / scale)
+    x, y = corner[0] + 6, corner[1] + size[0] - 8
+    ImageDraw.Draw(picture).rectangle((x, y, x + length * scale, y + 1), fill=DARK)
+    write_words(picture, [((x, y - 4), f"{length:g} mm", 12, DARK, "ld")])
 
 
-def _directions(figure: Figure, view: View, corner: tuple[int, int], page: tuple[int, int]) -> None:
-    """The file's x, y and z in the view's lower right corner."""
-    from matplotlib.lines import Line2D
+def _draw_directions(picture: Image, view: View, size: tuple[int, int], corner: tuple[int, int]) -> None:
+    """The file's x, y and z in a corner of the view."""
+    from PIL import Image, ImageDraw
 
-    x, y = corner[0] - 36, corner[1] + 36
-    for name, along in zip("xyz", np.eye(3), strict=True):
-        dx, dy = 24.0 * float(along @ view.right), 24.0 * float(along @ view.up)
+    # drawn finer than the page and made smaller, so that slanting lines are smooth
+    fine, room = 3, 2 * TRIAD
+    end, low = corner[0] + size[1] - room, corner[1] + size[0] - room
+    # where the page is emptiest
+    left, top = max(
+        ((end, low), (end, corner[1]), corner),
+        key=lambda at: float(np.asarray(picture.crop((*at, at[0] + room, at[1] + room)).convert("L")).mean().round(1)),
+    )
+    patch = picture.crop((left, top, left + room, top + room)).resize((fine * room, fine * room), Image.Resampling.NEAREST)
+    draw, words = ImageDraw.Draw(patch), []
+    for name, right, up in zip("xyz", view.right.tolist(), view.up.tolist(), strict=True):
+        dx, dy = 0.66 * TRIAD * right, -0.66 * TRIAD * up
         if math.hypot(dx, dy) < 4.0:
             continue
-        figure.add_artist(Line2D([x / page[0], (x + dx) / page[0]], [y / page[1], (y + dy) / page[1]], color="0.25", lw=1.0))
-        figure.text(
-            (x + 1.35 * dx) / page[0], (y + 1.35 * dy) / page[1], name, fontsize=8, color="0.25", ha="center", va="center"
-        )
+        draw.line([fine * TRIAD, fine * TRIAD, fine * (TRIAD + dx), fine * (TRIAD + dy)], fill=PALE, width=4)
+        words.append(((left + TRIAD + 1.32 * dx, top + TRIAD + 1.32 * dy), name, 12, PALE, "mm"))
+    picture.paste(patch.reduce(fine), (left, top))
+    write_words(picture, words)

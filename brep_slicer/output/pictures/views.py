@@ -17,7 +17,7 @@ import numpy as np
 
 from brep_slicer.maps import TURN, Array
 
-from .raster import seen
+from .raster import along, seen
 from .scene import Mesh
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ class View:
 
     def flat(self, points: Array) -> Array:
         """To the right and up on the page, mm, (n, 2)."""
-        return np.stack([points @ self.right, points @ self.up], axis=1)
+        return np.stack([along(points, self.right), along(points, self.up)], axis=1)
 
     def places(self, points: Array, scale: float) -> Array:
         """Pixels (n, 2), x right, y down, at `scale` pixels a mm."""
@@ -149,7 +149,7 @@ def slant_of(mesh: Mesh, view: View) -> Array:
     a, b, c = (mesh.points[mesh.triangles[:, k]] for k in range(3))
     across = np.cross(b - a, c - a)
     size = np.maximum(np.linalg.norm(across, axis=1), 1e-300)
-    return np.append(np.minimum(size / np.maximum(np.abs(across @ view.towards), size / MOST_SLANT), MOST_SLANT), 1.0)
+    return np.append(np.minimum(size / np.maximum(np.abs(along(across, view.towards)), size / MOST_SLANT), MOST_SLANT), 1.0)
 
 
 def _in_view(view: View, mesh: Mesh, samples: Array, place: Array, width: float) -> Array:
@@ -157,9 +157,9 @@ def _in_view(view: View, mesh: Mesh, samples: Array, place: Array, width: float)
     left, low, right, top = view.box
     scale = SMALL / max(right - left, top - low)
     size = (max(1, math.ceil((top - low) * scale)), max(1, math.ceil((right - left) * scale)))
-    page = seen(view.places(mesh.points, scale), mesh.points @ view.towards, mesh.triangles, size)
+    page = seen(view.places(mesh.points, scale), along(mesh.points, view.towards), mesh.triangles, size)
     at = view.places(samples, scale).astype(int)
     at = np.clip(at[:, 1], 0, size[0] - 1) * size[1] + np.clip(at[:, 0], 0, size[1] - 1)
-    below = page.depth[at] - samples @ view.towards
+    below = page.depth[at] - along(samples, view.towards)
     # a pixel of so small a page is some millimetres of metal deep
     return np.bincount(place, below < (width + 1.0 / scale) * slant_of(mesh, view)[page.triangle[at]]) > 0

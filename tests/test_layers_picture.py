@@ -18,7 +18,7 @@ from brep_slicer.output.pictures import draw_layers
 from brep_slicer.output.pictures.canvas import WIDER, Canvas, rgb
 from brep_slicer.output.pictures.layers import round_length
 from brep_slicer.output.pictures.panels import groups_of_equals, representative, whole
-from brep_slicer.output.pictures.unrolled import strips_of
+from brep_slicer.output.pictures.unrolled import shown, strips_of
 from brep_slicer.region import Layer, region_from_loops
 from brep_slicer.section import Certificate, Engine
 
@@ -48,6 +48,8 @@ FLAT = ((0, 0), (40, 0), (40, 5), (0, 5))
     ("loops", "sizes"),
     [
         ([polygon(RIGHT, k, 3.0 * k) for k in (-80, 0, 60)], [3]),
+        # symmetric, and sampled from elsewhere
+        ([polygon(BOX, -80.3, 1.7), polygon(BOX, 0.1, 55.5), polygon(BOX, 61.7, -31.1)], [3]),
         # mirrored: the same area, outline and box
         ([polygon(RIGHT, -80), polygon(LEFT, 0), polygon(RIGHT, 60)], [1, 2]),
         # the same area
@@ -73,12 +75,12 @@ def test_pieces_with_other_beads_are_not_equal_and_the_most_metal_is_shown():
     fill = LayerFill(beads=tuple(beads))
     group = groups_of_equals(layer, fill)
     assert sorted(np.bincount(group).tolist()) == [1, 2]
-    shown = representative(layer, fill, width=2.0)
-    assert shown.words == "one of 2 equal pieces of 3"
-    (bead,) = shown.fill.beads
+    one = representative(layer, fill, width=2.0)
+    assert one.words == "one of 2 equal pieces of 3"
+    (bead,) = one.fill.beads
     assert bead.piece != odd
     # the one nearest to kappa = 0
-    assert shown.metal == pytest.approx((0.0, 0.0, 10.0, 20.0))
+    assert one.metal == pytest.approx((0.0, 0.0, 10.0, 20.0))
 
 
 def test_a_panel_has_room_for_beads_that_stand_out():
@@ -99,6 +101,18 @@ def test_a_closed_bead_covers_no_more_than_its_width():
     full = 255.0 - float(page.min())
     covered = (255.0 - page).sum() / full
     assert covered == pytest.approx(44.0**2 - 36.0**2 - (4.0 - math.pi) * 4.0, rel=0.03)
+
+
+def test_beads_round_a_band_end_where_its_chart_does(fixture_step):
+    plan = bs.plan(
+        bs.read_step(fixture_step("keyed_band")), bs.Process(layer_thickness=1.4, step_over=3.4), axis="Z", layers=(0, 1)
+    )
+    (layer,), (fill,) = plan.layers, plan.fills
+    half = 0.5 * layer.region.period
+    strips = strips_of([shown(bead.points, layer) for bead in fill.beads], plan.process.width, within=half)
+    assert max(np.abs(ring[:, 0]).max() for rings in strips for ring in rings) == pytest.approx(half)
+    shows = whole(layer, fill, width=plan.process.width)
+    assert shows.window[::2] == pytest.approx((-half, half))
 
 
 @pytest.mark.parametrize(("about", "length"), [(140.0, 100.0), (0.051, 0.05), (7.9, 5.0), (2.0, 2.0)])

@@ -28,6 +28,8 @@ ALIKE = 1e-3
 BROAD = 0.26
 # Pixels from arrow to arrow along a bead, and the least length of a bead that gets one.
 ARROWS, ARROWED = 260.0, 34.0
+# Where the mixed second moment stands among a piece's marks, after the other two.
+MIXED = 6
 PICKED = "#f3c9c4"
 
 
@@ -54,10 +56,11 @@ def whole(layer: Layer, fill: LayerFill, *, width: float) -> Shown:
     middle, period, half = 0.5 * float(low[0] + high[0]), layer.region.period, 0.5 * width
     lines = [_beside(shown(bead.points, layer), middle, period) for bead in fill.beads]
     laid = np.concatenate([np.stack([low + half, high - half]), *lines])
-    window = (
-        *np.minimum(low, np.nanmin(laid, axis=0) - half).tolist(),
-        *np.maximum(high, np.nanmax(laid, axis=0) + half).tolist(),
-    )
+    least, most = np.minimum(low, np.nanmin(laid, axis=0) - half), np.maximum(high, np.nanmax(laid, axis=0) + half)
+    if is_band(layer):
+        # a full turn's chart ends where it is cut
+        least[0], most[0] = low[0], high[0]
+    window = (*least.tolist(), *most.tolist())
     metal = (*low.tolist(), *high.tolist())
     return Shown(layer=layer, fill=fill, polygons=polygons, words="", metal=metal, window=window)
 
@@ -88,8 +91,10 @@ def groups_of_equals(layer: Layer, fill: LayerFill) -> Array:
         laid[bead.piece] += 1.0, bead.length()
     marks = np.array([_marks(layer, number) for number in range(len(pieces))])
     marks = np.concatenate([marks, laid], axis=1)
-    # each figure against the largest of its kind, so that a moment of nothing is nothing
-    marks /= np.maximum(np.abs(marks).max(axis=0), 1e-300)
+    # each figure against the largest of its kind; a mixed moment of nothing is nothing beside the other two
+    scale = np.abs(marks).max(axis=0)
+    scale[MIXED] = math.sqrt(scale[MIXED - 1] * scale[MIXED - 2])
+    marks /= np.maximum(scale, 1e-300)
     group = np.full(len(pieces), -1)
     for number in range(len(pieces)):
         if group[number] < 0:
@@ -147,7 +152,8 @@ def draw_panel(canvas: Canvas, what: Shown, frame: Frame, *, width: float, large
     middle = 0.5 * (what.window[0] + what.window[2])
     _draw_metal(canvas, what, frame, rgb(METAL))
     lines = [_beside(shown(bead.points, layer), middle, period) for bead in what.fill.beads]
-    for rings in strips_of(lines, max(width - WIDER / frame.scale, 0.1 * width)):
+    half = 0.5 * period if is_band(layer) else math.inf
+    for rings in strips_of(lines, max(width - WIDER / frame.scale, 0.1 * width), within=half):
         canvas.area([frame.places(ring) for ring in rings], rgb(DEPOSIT, BROAD))
     for loop in layer.region.loops:
         for part in parts_of(_beside(shown(loop.sample(0.02), layer), middle, period)):

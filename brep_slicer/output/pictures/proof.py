@@ -36,7 +36,7 @@ def draw_proof(plan: Plan, proof: list[dict[str, Any]], path: str | Path) -> Pat
     """Simulated heights over t of up to three layers, and the histogram of the spacings measured on all."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-    pairs = [(la, f) for la, f in zip(plan.layers, plan.fills, strict=True) if isinstance(la, Layer) and not la.region.is_empty]
+    pairs = [(la, f) for la, f in zip(plan.layers, plan.fills, strict=True) if f.beads]
     chosen = [pairs[int(i)] for i in np.unique(np.linspace(0, len(pairs) - 1, MOST_MAPS).round())] if pairs else []
     boxes = [_window(layer) for layer, _ in chosen]
     figure, maps, last = _page(boxes, histogram=_bars(proof) > 1)
@@ -90,7 +90,7 @@ def _page(boxes: list[tuple[float, float, float, float]], *, histogram: bool) ->
 
     count = len(boxes)
     last = ["last"] if histogram or not count else []
-    ratio = min(((k1 - k0) / max(v1 - v0, 1e-9) for k0, v0, k1, v1 in boxes), default=1.0)
+    ratio = max(((k1 - k0) / max(v1 - v0, 1e-9) for k0, v0, k1, v1 in boxes), default=1.0)
     if count and ratio > WIDE:
         figure = Figure(figsize=(13.0, max(1.4 + 8.5 / ratio, 1.6) * count + 0.7), dpi=110, layout="constrained")
         axes = figure.subplot_mosaic([[str(i), *last] for i in range(count)], width_ratios=[3.0, 1.0][: 1 + len(last)])

@@ -64,14 +64,18 @@ def moves_of(layer: Layer, fill: LayerFill) -> list[Array]:
     return [shown(way, layer) for way in near]
 
 
-def strips_of(lines: list[Array], width: float) -> list[list[Array]]:
-    """The beads as broad as they are: the rings (n, 2) of each, its outer one first."""
+def strips_of(lines: list[Array], width: float, *, within: float = math.inf) -> list[list[Array]]:
+    """The beads as broad as they are: the rings (n, 2) of each, its outer one first; cut at kappa = -`within` and `within`."""
     import shapely
 
     from .canvas import parts_of
 
     parts = [shapely.LineString(part) for line in lines for part in parts_of(line)]
-    strips = shapely.get_parts(shapely.buffer(parts, 0.5 * width, quad_segs=6))
+    strips = shapely.buffer(parts, 0.5 * width, quad_segs=6)
+    if math.isfinite(within) and len(strips):
+        _, low, _, high = shapely.total_bounds(strips)
+        strips = shapely.clip_by_rect(strips, -within, low, within, high)
+    strips = [part for part in shapely.get_parts(strips) if part.geom_type == "Polygon"]
     return [[np.asarray(ring.coords) for ring in (strip.exterior, *strip.interiors)] for strip in strips]
 
 

@@ -15,6 +15,7 @@ from brep_slicer.maps import Array
 from brep_slicer.region import Region
 
 from .chart import Track, drawn
+from .equals import Share
 
 # Segments a quarter circle of the beads' round ends.
 QUARTER = 32
@@ -34,6 +35,13 @@ class Coverage:
     def bare_share(self) -> float:
         """Bare area over the region's."""
         return self.bare / self.area if self.area else 0.0
+
+
+def coverage_of_shares(shares: Sequence[Share], width: float) -> Coverage:
+    """Coverage of a layer by shares of it, each as many times as it counts."""
+    found = [(share.times, coverage_of(share.region, share.beads, width)) for share in shares]
+    names = ("area", "bare", "once", "more", "outside")
+    return Coverage(**{name: sum(times * getattr(one, name) for times, one in found) for name in names})
 
 
 def coverage_of(region: Region, beads: Sequence[Bead], width: float) -> Coverage:

@@ -21,6 +21,7 @@ from brep_slicer.maps import Array
 from brep_slicer.region import Region
 
 from .chart import Track, drawn
+from .equals import Share
 from .grid import Tile, cells_inside, cells_of_boxes, edges_of_polygons, tiles_of
 
 # Grid cells a bead width.
@@ -104,12 +105,34 @@ def deposit_of(
 
 
 def evenness_of(
-    region: Region, beads: Sequence[Bead], *, width: float, thickness: float, step_over: float, tolerance: float
+    region: Region,
+    beads: Sequence[Bead],
+    *,
+    width: float,
+    thickness: float,
+    step_over: float,
+    tolerance: float,
+    shares: Sequence[Share] | None = None,
 ) -> Evenness:
     """What `deposit_of` says of a layer as figures, worked out tile by tile: no more of the plane than holds metal.
 
-    `tolerance` is a share of `thickness`.
+    `tolerance` is a share of `thickness`. Of `shares`, if given, each counts as many times as it says, instead of the region.
     """
+    parts = [Share(region=region, beads=tuple(beads), times=1)] if shares is None else shares
+    sizes = {"width": width, "thickness": thickness, "step_over": step_over, "tolerance": tolerance}
+    sums = [np.multiply(part.times, _sums(part.region, part.beads, **sizes)) for part in parts]
+    count, total, square, good = np.sum(sums, axis=0).tolist()
+    if not count:
+        return Evenness(mean=0.0, variation=0.0, within=0.0)
+    mean = thickness + total / count
+    deviation = np.sqrt(max(square / count - (total / count) ** 2, 0.0))
+    return Evenness(mean=mean, variation=float(deviation) / mean if mean else 0.0, within=good / count)
+
+
+def _sums(
+    region: Region, beads: Sequence[Bead], *, width: float, thickness: float, step_over: float, tolerance: float
+) -> tuple[float, float, float, float]:
+    """Over a region's cells: how many, their heights over the thickness added up (mm), squared, and how many are even."""
     shape, tracks = drawn(region, beads, reach=width)
     laid, edges = _Laid(tracks, width, 1.5 * thickness * step_over / width), edges_of_polygons(shape)
     cell = width / CELLS_PER_WIDTH
@@ -129,11 +152,7 @@ def evenness_of(
         square += float(off @ off)
         even = _averaged(heights, inside, size, chosen)
         good += int((np.abs(even / thickness - 1.0) <= tolerance).sum())
-    if not count:
-        return Evenness(mean=0.0, variation=0.0, within=0.0)
-    mean = thickness + total / count
-    deviation = np.sqrt(max(square / count - (total / count) ** 2, 0.0))
-    return Evenness(mean=mean, variation=float(deviation) / mean if mean else 0.0, within=good / count)
+    return count, total, square, good
 
 
 def _window(step_over: float, cell: float) -> int:

@@ -19,8 +19,9 @@ from brep_slicer.substrate.axis import Axis
 from brep_slicer.toolpath import Toolpath
 from brep_slicer.wording import counted
 
-from .coverage import coverage_of
+from .coverage import coverage_of_shares
 from .deposit import evenness_of
+from .equals import shares_of
 from .step_over import step_over_of
 
 # Bins of the histogram of spacings.
@@ -168,8 +169,10 @@ def _span(values: Sequence[float], form: str) -> str:
 
 def _row(layer: Layer, fill: LayerFill, toolpath: Toolpath, axis: Axis, width: float, step_over: float) -> dict[str, Any]:
     thickness = layer.thickness or 1.0
-    coverage = coverage_of(layer.region, fill.beads, width)
-    deposit = evenness_of(layer.region, fill.beads, width=width, thickness=thickness, step_over=step_over, tolerance=EVEN)
+    shares = shares_of(layer.region, fill, width=width)
+    coverage = coverage_of_shares(shares, width)
+    sizes = {"width": width, "thickness": thickness, "step_over": step_over, "tolerance": EVEN}
+    deposit = evenness_of(layer.region, fill.beads, **sizes, shares=shares)
     measured = step_over_of(toolpath, axis, layer.index, within=2.0 * step_over)
     near = measured.spacings
     planned = np.unique(np.round([step_over, *fill.step_over], 9))

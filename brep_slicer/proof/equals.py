@@ -1,0 +1,114 @@
+"""Equal pieces of a layer are proven once: one stands for all that differ from it by a turn about the axis only.
+
+In: a layer's region, its fill. Out: parts of the region with their beads, and how many times each counts.
+
+Words: *leader*, the piece that stands for its copies; *alone*, so far from all other pieces that no bead reaches into two.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from brep_slicer.fill import Bead, LayerFill
+from brep_slicer.maps import Array
+from brep_slicer.region import Region, polygon_from_piece
+
+# Beads of equal pieces agree in length and metal to this share.
+SAME = 1e-6
+# Pieces are drawn to this for asking how far apart they are, mm; what they come too near by is added to the bead's width.
+CHORD = 0.05
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Share:
+    """Some pieces of a layer as a `region` with their `beads`; what is found on them counts `times`."""
+
+    region: Region
+    beads: tuple[Bead, ...]
+    times: int
+
+
+def shares_of(region: Region, fill: LayerFill, *, width: float) -> list[Share]:
+    """The leaders of a layer, grouped by how many pieces each stands for; all of the layer where beads reach into other pieces.
+
+    `width` (mm) is how broad a bead is.
+    """
+    count = len(region.pieces)
+    leader = np.array(fill.copies, dtype=np.int64)
+    whole = [Share(region=region, beads=fill.beads, times=1)]
+    if len(leader) != count or len(np.unique(leader)) == count:
+        return whole
+    if not _same_metal(fill, leader) or not _alone(region, fill, width):
+        return whole
+    times = np.bincount(leader, minlength=count)
+    out = []
+    for number in np.unique(times[times > 0]).tolist():
+        chosen = np.flatnonzero(times == number)
+        pieces = tuple(region.pieces[i] for i in chosen)
+        mine = set(chosen.tolist())
+        beads = tuple(bead for bead in fill.beads if bead.piece in mine)
+        out.append(Share(region=replace(region, pieces=pieces), beads=beads, times=int(number)))
+    return out
+
+
+def _same_metal(fill: LayerFill, leader: NDArray[np.int64]) -> bool:
+    """Whether every piece has as many beads as its leader, as long, with as much metal."""
+    laid = np.zeros((len(leader), 3))
+    for bead in fill.beads:
+        steps = np.hypot(*np.diff(bead.points, axis=0).T)
+        speed = np.ones(len(bead.points)) if bead.speed is None else bead.speed
+        metal = 0.5 * (1.0 / speed[1:] + 1.0 / speed[:-1]) * steps
+        laid[bead.piece] += 1.0, steps.sum(), metal.sum()
+    return bool(np.allclose(laid, laid[leader], rtol=SAME, atol=SAME))
+
+
+def _alone(region: Region, fill: LayerFill, width: float) -> bool:
+    """Whether no bead comes within half its width of another piece, or within its width of another piece's bead."""
+    import shapely
+
+    if not fill.beads:
+        return True
+    piece = np.array([bead.piece for bead in fill.beads])
+    winds = np.array([piece.winds for piece in region.pieces])
+    if winds.any() and not _apart_in_height(region, fill, winds, width):
+        return False
+    open_pieces = np.flatnonzero(~winds)
+    shapes = np.array([polygon_from_piece(region.pieces[i], chord=CHORD) for i in open_pieces])
+    middles = np.zeros(len(winds))
+    middles[open_pieces] = shapely.bounds(shapes)[:, [0, 2]].mean(axis=1)
+    own = np.flatnonzero(~winds[piece])
+    lines = np.array([shapely.LineString(_moved(fill.beads[i], middles, region.period)) for i in own])
+    left, _, right, _ = shapely.bounds(np.concatenate([shapes, lines])).T
+    if (right - left).max() > region.period:
+        return False
+    piece = piece[own]
+    moves = np.array([-region.period, 0.0, region.period])
+    moved = np.concatenate([shapely.transform(lines, lambda points, by=by: points + np.array([by, 0.0])) for by in moves])
+    owner = np.tile(piece, 3)
+    for others, of, reach in ((shapes, open_pieces, 0.5 * width + CHORD), (lines, piece, width + CHORD)):
+        near, met = shapely.STRtree(others).query(moved, predicate="dwithin", distance=reach)
+        if (owner[near] != of[met]).any():
+            return False
+    return True
+
+
+def _apart_in_height(region: Region, fill: LayerFill, winds: NDArray[np.bool_], width: float) -> bool:
+    """Whether pieces that go all the way round lie, with their beads, more than `width` (mm) above or below all others."""
+    spans = np.array([piece.bounds() for piece in region.pieces])[:, 1::2]
+    for bead in fill.beads:
+        v = bead.points[:, 1]
+        spans[bead.piece] = min(spans[bead.piece, 0], v.min()), max(spans[bead.piece, 1], v.max())
+    low, high = spans.T
+    near = (low[:, None] - width - CHORD < high) & (low < high[:, None] + width + CHORD)
+    np.fill_diagonal(near, False)
+    return not near[winds].any()
+
+
+def _moved(bead: Bead, middles: Array, period: float) -> Array:
+    """A bead's points whole turns away, beside the middle of the piece that it lies in."""
+    at = 0.5 * (bead.points[:, 0].min() + bead.points[:, 0].max())
+    moved: Array = bead.points - np.array([period * np.round((at - middles[bead.piece]) / period), 0.0])
+    return moved

@@ -61,8 +61,7 @@ def coverage_of(region: Region, beads: Sequence[Bead], width: float) -> Coverage
     first, second = pairs.reshape(-1, 2).astype(int).T
     twice = shapely.intersection(strips[first], strips[second])
     bare, more = shape.difference(once).area, shape.intersection(shapely.union_all(twice)).area
-    # a full band is drawn over one turn and is open at its cut sides
-    outside = _beyond(once, shape) if any(p.winds for p in region.pieces) else once.difference(shape).area
+    outside = _beyond(once, shape, region.period, 0.0 if any(p.winds for p in region.pieces) else width)
     return Coverage(area=shape.area, bare=bare, once=shape.area - bare - more, more=more, outside=outside)
 
 
@@ -95,9 +94,17 @@ def _joined(first: Track, second: Track) -> bool:
     return any(float(np.abs(gap).max()) < 1e-6 for gap in gaps)
 
 
-def _beyond(once, shape) -> float:
-    import shapely
+def _beyond(once, shape, period: float, reach: float) -> float:
+    """What is covered outside of the region, once round from `reach` (mm) to the left of it.
 
-    k0, _, k1, _ = shape.bounds
+    A piece over the seam is drawn on one side of it, its beads on both.
+    """
+    import shapely
+    from shapely.affinity import translate
+
+    left, _, right, _ = shape.bounds
     _, v0, _, v1 = once.bounds
-    return float(once.intersection(shapely.box(k0, v0, k1, v1)).difference(shape).area)
+    start = left - reach
+    around = [translate(shape, turn * period) for turn in range(-1, 1 + int((right - left) // period) + 1)]
+    window = shapely.box(start, v0, start + period, v1)
+    return float(once.intersection(window).difference(shapely.union_all(around)).area)

@@ -30,6 +30,8 @@ CELLS_PER_WIDTH = 24
 WINDOW = 2.0
 # Cells a side of what is worked out at once, and cells of beads: what bounds the memory, not what comes out.
 TILE, AT_ONCE = 768, 1_000_000
+# A piece that stands for others is looked at on so many grids, each a part of a cell beside the one before.
+PHASES = 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -120,7 +122,18 @@ def evenness_of(
     """
     parts = [Share(region=region, beads=tuple(beads), times=1)] if shares is None else shares
     sizes = {"width": width, "thickness": thickness, "step_over": step_over, "tolerance": tolerance}
-    sums = [np.multiply(part.times, _sums(part.region, part.beads, **sizes)) for part in parts]
+    sums = []
+    for part in parts:
+        # pieces of a whole layer lie on the grid in as many ways as there are pieces
+        phases = min(part.times, PHASES)
+        # not the corner itself, where cells' middles would lie on the border
+        shifts = (
+            [((k + 0.5) / phases, ((k * k + k) / 2 % phases + 0.5) / phases) for k in range(phases)]
+            if phases > 1
+            else [(0.0, 0.0)]
+        )
+        cell = _fitting_cell(part.region, width / CELLS_PER_WIDTH, phases)
+        sums += [np.multiply(part.times / phases, _sums(part.region, part.beads, cell, shift, **sizes)) for shift in shifts]
     count, total, square, good = np.sum(sums, axis=0).tolist()
     if not count:
         return Evenness(mean=0.0, variation=0.0, within=0.0)
@@ -129,16 +142,34 @@ def evenness_of(
     return Evenness(mean=mean, variation=float(deviation) / mean if mean else 0.0, within=good / count)
 
 
+def _fitting_cell(region: Region, cell: float, phases: int) -> float:
+    """A cell hardly smaller, of which all `phases` together fit the first piece's length round the shaft."""
+    if phases == 1:
+        return cell
+    k0, _, k1, _ = region.pieces[0].bounds()
+    return phases * (k1 - k0) / float(np.ceil(phases * (k1 - k0) / cell))
+
+
 def _sums(
-    region: Region, beads: Sequence[Bead], *, width: float, thickness: float, step_over: float, tolerance: float
+    region: Region,
+    beads: Sequence[Bead],
+    cell: float,
+    shift: tuple[float, float],
+    *,
+    width: float,
+    thickness: float,
+    step_over: float,
+    tolerance: float,
 ) -> tuple[float, float, float, float]:
-    """Over a region's cells: how many, their heights over the thickness added up (mm), squared, and how many are even."""
+    """Over a region's cells: how many, their heights over the thickness added up (mm), squared, and how many are even.
+
+    The grid begins so many cells to the left of the region and below it as `shift` says.
+    """
     shape, tracks = drawn(region, beads, reach=width)
     laid, edges = _Laid(tracks, width, 1.5 * thickness * step_over / width), edges_of_polygons(shape)
-    cell = width / CELLS_PER_WIDTH
     size = _window(step_over, cell)
     count, total, square, good = 0, 0.0, 0.0, 0
-    for tile in tiles_of(shape, cell, TILE):
+    for tile in tiles_of(shape, cell, TILE, shift):
         wide = tile.with_halo(size)
         inside = cells_inside(edges, wide)
         own = np.zeros_like(inside)
@@ -263,19 +294,22 @@ def _averaged(heights: Array, inside: Array, size: int, chosen: Array) -> Array:
     A square of an even size has one cell more before its middle than behind it. Where it reaches beyond the arrays there is no
     metal.
     """
-    row, column = np.divmod(chosen, heights.shape[1])
-    reach = [
-        (np.maximum(at - size // 2, 0), np.minimum(at + size - size // 2, end))
-        for at, end in zip((row, column), heights.shape, strict=True)
-    ]
-    (low, high), (left, right) = reach
-    wide = heights.shape[1] + 1
-    corners = high * wide + right, low * wide + right, high * wide + left, low * wide + left
-    sums = []
-    for values in (np.where(inside, heights, 0.0), inside.astype(np.int64)):
-        total = np.zeros((heights.shape[0] + 1, wide), dtype=values.dtype)
-        np.cumsum(values, axis=0, out=total[1:, 1:])
-        np.cumsum(total[1:, 1:], axis=1, out=total[1:, 1:])
-        a, b, c, d = (total.ravel()[corner] for corner in corners)
-        sums.append(a - b - c + d)
-    return sums[0] / sums[1]
+    metal = _box_sums(np.where(inside, heights, 0.0), size).ravel()[chosen]
+    if inside.all():
+        return metal / _box_sums(np.ones(inside.shape), size).ravel()[chosen]
+    return metal / _box_sums(inside.astype(np.float64), size).ravel()[chosen]
+
+
+def _box_sums(values: Array, size: int) -> Array:
+    """Sums over squares of cells, one direction after the other."""
+    for axis in (0, 1):
+        count = values.shape[axis]
+        total = np.cumsum(values, axis=axis)
+        low, high = np.arange(count) - size // 2 - 1, np.minimum(np.arange(count) + size - size // 2, count) - 1
+        sums = total.take(high, axis=axis)
+        some = np.flatnonzero(low >= 0)
+        if len(some):
+            at = (slice(some[0], None), slice(None)) if axis == 0 else (slice(None), slice(some[0], None))
+            sums[at] -= total.take(low[some], axis=axis)
+        values = sums
+    return values

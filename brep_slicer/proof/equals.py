@@ -1,4 +1,4 @@
-"""Equal pieces of a layer are proven once: one stands for all that differ from it by a turn about the axis only.
+"""Equal pieces of a layer are proven once: one stands for all that differ from it by a turn about the axis, or a way along it.
 
 In: a layer's region, its fill. Out: parts of the region with their beads, and how many times each counts.
 
@@ -7,6 +7,7 @@ Words: *leader*, the piece that stands for its copies; *alone*, so far from all 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,9 +15,9 @@ from numpy.typing import NDArray
 
 from brep_slicer.fill import Bead, LayerFill
 from brep_slicer.maps import Array
-from brep_slicer.region import Region, polygon_from_piece
+from brep_slicer.region import Piece, Region, polygon_from_piece
 
-# Beads of equal pieces agree in length and metal to this share.
+# Equal pieces, moved onto one another, and the points and speeds of their beads agree to this, mm or a share.
 SAME = 1e-6
 # Pieces are drawn to this for asking how far apart they are, mm; what they come too near by is added to the bead's width.
 CHORD = 0.05
@@ -37,12 +38,9 @@ def shares_of(region: Region, fill: LayerFill, *, width: float) -> list[Share]:
     `width` (mm) is how broad a bead is.
     """
     count = len(region.pieces)
-    leader = np.array(fill.copies, dtype=np.int64)
-    whole = [Share(region=region, beads=fill.beads, times=1)]
-    if len(leader) != count or len(np.unique(leader)) == count:
-        return whole
-    if not _same_metal(fill, leader) or not _alone(region, fill, width):
-        return whole
+    leader = leaders_of(region, fill)
+    if len(np.unique(leader)) == count or not _alone(region, fill, width):
+        return [Share(region=region, beads=fill.beads, times=1)]
     times = np.bincount(leader, minlength=count)
     out = []
     for number in np.unique(times[times > 0]).tolist():
@@ -54,15 +52,52 @@ def shares_of(region: Region, fill: LayerFill, *, width: float) -> list[Share]:
     return out
 
 
-def _same_metal(fill: LayerFill, leader: NDArray[np.int64]) -> bool:
-    """Whether every piece has as many beads as its leader, as long, with as much metal."""
-    laid = np.zeros((len(leader), 3))
+def leaders_of(region: Region, fill: LayerFill) -> NDArray[np.int64]:
+    """For each piece the first one that it equals, moved in the plane, beads and all; its own number if there is none."""
+    beads: list[list[Bead]] = [[] for _ in region.pieces]
     for bead in fill.beads:
-        steps = np.hypot(*np.diff(bead.points, axis=0).T)
-        speed = np.ones(len(bead.points)) if bead.speed is None else bead.speed
-        metal = 0.5 * (1.0 / speed[1:] + 1.0 / speed[:-1]) * steps
-        laid[bead.piece] += 1.0, steps.sum(), metal.sum()
-    return bool(np.allclose(laid, laid[leader], rtol=SAME, atol=SAME))
+        beads[bead.piece].append(bead)
+    leader = np.arange(len(region.pieces))
+    known: dict[tuple[int, ...], list[tuple[int, Array]]] = {}
+    for number, piece in enumerate(region.pieces):
+        if piece.winds and piece.holes:
+            continue
+        counts, figures = _figures(piece, beads[number])
+        alike = known.setdefault(counts, [])
+        for first, others in alike:
+            if np.allclose(figures, others, rtol=SAME, atol=SAME):
+                leader[number] = first
+                break
+        else:
+            alike.append((number, figures))
+    return leader
+
+
+def _figures(piece: Piece, beads: Sequence[Bead]) -> tuple[tuple[int, ...], Array]:
+    """What equal pieces have in common: (how many loops, and points of each bead), (sizes, and the beads seen from a corner).
+
+    It does not matter which way a bead runs and which comes first.
+    """
+    k0, v0, k1, v1 = piece.bounds()
+    lines = [_one_way(bead) for bead in beads]
+    if piece.winds and lines:
+        # a band has no corner round the shaft; its beads' first start is as good
+        k0, k1 = (end - k0 + min(line[0, 0] for line in lines) for end in (k0, k1))
+    origin = np.array([k0, v0, 0.0])
+    lines = sorted((line - origin for line in lines), key=lambda line: tuple(np.round(line[[0, -1], :2], 4).ravel().tolist()))
+    area = piece.area()
+    sizes = np.array([area, piece.length(), k1 - k0, v1 - v0, piece.first_moment() - v0 * area])
+    counts = (len(piece.outer), len(piece.holes), *(len(line) for line in lines))
+    return counts, np.concatenate([sizes, *(line.ravel() for line in lines)])
+
+
+def _one_way(bead: Bead) -> Array:
+    """Points and speed of a bead (n, 3), from its lower left end on."""
+    speed = np.ones(len(bead.points)) if bead.speed is None else bead.speed
+    line = np.column_stack([bead.points, speed])
+    # a closed bead's ends are the same, so that its second point tells which way it runs
+    ends = np.round(bead.points[[0, 1, -1, -2]], 4).reshape(2, 4).tolist()
+    return line if ends[0] <= ends[1] else line[::-1]
 
 
 def _alone(region: Region, fill: LayerFill, width: float) -> bool:
@@ -76,6 +111,8 @@ def _alone(region: Region, fill: LayerFill, width: float) -> bool:
     if winds.any() and not _apart_in_height(region, fill, winds, width):
         return False
     open_pieces = np.flatnonzero(~winds)
+    if not len(open_pieces):
+        return True
     shapes = np.array([polygon_from_piece(region.pieces[i], chord=CHORD) for i in open_pieces])
     middles = np.zeros(len(winds))
     middles[open_pieces] = shapely.bounds(shapes)[:, [0, 2]].mean(axis=1)

@@ -55,13 +55,17 @@ class Tile:
         )
 
 
-def tiles_of(shape, cell: float, size: int) -> Iterator[Tile]:
-    """The tiles of at most `size` cells a side that a polygon reaches into; the grid begins at its lower left corner."""
+def tiles_of(shape, cell: float, size: int, shift: tuple[float, float] = (0.0, 0.0)) -> Iterator[Tile]:
+    """The tiles of at most `size` cells a side that a polygon reaches into.
+
+    The grid begins at its lower left corner, or `shift` of a cell to the left and below.
+    """
     import shapely
 
     if shape.is_empty:
         return
     k0, v0, k1, v1 = shape.bounds
+    k0, v0 = k0 - shift[0] * cell, v0 - shift[1] * cell
     columns, rows = max(1, int(np.ceil((k1 - k0) / cell))), max(1, int(np.ceil((v1 - v0) / cell)))
     corners = [(i, j) for i in range(0, rows, size) for j in range(0, columns, size)]
     tiles = [
@@ -96,9 +100,10 @@ def cells_inside(edges: Array, tile: Tile) -> NDArray[np.bool_]:
     share = (row - ya[of]) / (yb - ya)[of]
     x = (a[of, 0] + share * (b - a)[of, 0] - left) / tile.cell - 0.5
     column = np.clip(np.ceil(x), 0, tile.shape[1]).astype(int)
-    crossed = np.zeros((tile.shape[0], tile.shape[1] + 1), dtype=np.int32)
-    np.add.at(crossed, (row, column), 1)
-    return (np.cumsum(crossed, axis=1)[:, :-1] & 1).astype(bool)
+    wide = tile.shape[1] + 1
+    crossed = (np.bincount(row * wide + column, minlength=tile.shape[0] * wide) & 1).astype(bool).reshape(-1, wide)
+    inside: NDArray[np.bool_] = np.logical_xor.accumulate(crossed, axis=1)[:, :-1]
+    return inside
 
 
 def cells_of_boxes(corners: Array, tile: Tile) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

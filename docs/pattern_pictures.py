@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
+from PIL import Image
 
 import brep_slicer as bs
 from brep_slicer.fill import (
@@ -20,12 +20,17 @@ from brep_slicer.fill import (
     Zigzag,
     fill_region,
 )
-from brep_slicer.output.pictures import draw_layer
+from brep_slicer.output.pictures.canvas import Canvas, write_words
+from brep_slicer.output.pictures.page import DARK, PALE
+from brep_slicer.output.pictures.panels import draw_panel, framed, representative
 from brep_slicer.proof import coverage_of
 
 HERE = Path(__file__).parent
 D, W = 3.4, 4.9
 Z = bs.axis_from_text("Z")
+# The page and its rows, and the words on it: to be read where the page is shown 900 pixels wide.
+WIDTH, HEAD, TALL, LOW, MARGIN, SIZE = 1500, 48, 430, 270, 18, 22
+KEY = "w 4.9 mm, d 3.4 mm: beads red at their width, what is beige stays bare; overlaps darker"
 
 
 def layer_of(name: str, radius: float):
@@ -59,26 +64,34 @@ def main() -> None:
         ("three left-handed helices", Helix(starts=3, left_handed=True)),
         ("hatch round a full turn", Hatch(angle=np.radians(60.0))),
     ]
-    figure = Figure(figsize=(15, 20), layout="constrained")
-    grid = figure.add_gridspec(7, 4, height_ratios=[1.0, 1.0, 1.0, 0.55, 0.55, 0.55, 0.55])
+    page = Image.new("RGB", (WIDTH, HEAD + 3 * TALL + len(turns) * LOW), "white")
+    words = [((MARGIN, 12), KEY, SIZE, DARK, "la")]
     for k, (name, layer, pattern) in enumerate(pieces):
-        ax = figure.add_subplot(grid[k // 4, k % 4])
-        _panel(ax, name, layer, pattern, 0.0)
-        if layer is blade:
-            k0, v0, k1, v1 = layer.region.pieces[0].bounds()
-            ax.set_xlim(k0 - 2.0, k1 + 2.0)
-            ax.set_ylim(v0 - 2.0, v1 + 2.0)
+        words += _panel(page, (k % 4 * WIDTH // 4, HEAD + k // 4 * TALL, WIDTH // 4, TALL), name, layer, pattern, 0.0)
     for k, (name, pattern) in enumerate(turns):
-        _panel(figure.add_subplot(grid[3 + k, :]), name, band, pattern, 0.5 * W)
-    figure.savefig(HERE / "patterns.png", dpi=80)
+        words += _panel(page, (0, HEAD + 3 * TALL + k * LOW, WIDTH, LOW), name, band, pattern, 0.5 * W)
+    write_words(page, words)
+    page.save(HERE / "patterns.png", optimize=True)
 
 
-def _panel(ax, name: str, layer, pattern, inset: float) -> None:
-    """One pattern on one layer, titled with its beads and what it leaves bare."""
+def _panel(page: Image.Image, box: tuple[int, int, int, int], name: str, layer, pattern, inset: float) -> list:
+    """One pattern on one layer; the words above it: beads, and what it leaves bare."""
     fill = fill_region(layer.region, pattern, step_over=D, width=W, inset=inset, chord=0.01)
-    draw_layer(ax, layer, fill)
     bare = 100.0 * coverage_of(layer.region, fill.beads, W).bare_share
-    ax.set_title(f"{name}: {len(fill.beads)} beads, {bare:.2f} % bare", fontsize=10)
+    what = representative(layer, fill, width=W)
+    left, top, width, height = box
+    room = (float(MARGIN), 2.4 * SIZE, width - 2.0 * MARGIN, height - 2.4 * SIZE - MARGIN)
+    wide, high = what.window[2] - what.window[0], what.window[3] - what.window[1]
+    canvas = Canvas(width, height)
+    scale = min(room[2] / wide, room[3] / high)
+    draw_panel(canvas, what, framed(what.window, room, scale), width=W, large=True)
+    page.paste(canvas.page(), (left, top))
+    own = len(what.fill.beads)
+    text = f"{own} {'bead' if own == 1 else 'beads'}, {bare:.2f} % bare"
+    place = (left + MARGIN, top + 4)
+    if width == WIDTH:
+        return [(place, f"{name}: {text}", SIZE, DARK, "la")]
+    return [(place, name, SIZE, DARK, "la"), ((place[0], place[1] + SIZE + 3), text, SIZE - 3, PALE, "la")]
 
 
 if __name__ == "__main__":

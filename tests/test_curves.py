@@ -79,6 +79,24 @@ class TestEveryKind:
         assert np.allclose(moved, curve.points(s) * [50.0 / R, 1.0], atol=1e-10)
 
 
+def test_a_fold_is_as_exact_at_its_ends():
+    hole = _cross_hole(8.0)
+    p = np.array([0.0, 1e-9, 1e-6, 1e-4, 0.3, np.pi - 1e-6, np.pi, 2.0 * np.pi - 1e-5])
+    points, slopes = hole.points(p / (2.0 * np.pi)), hole.derivatives(p / (2.0 * np.pi))
+    # with sin(theta) = 8 / R sin(x), cos(p) = theta / max theta: near the ends v = +-8 sin(q sqrt(...)), v / sin p is bounded
+    top = np.arcsin(8.0 / R)
+    theta = -top * np.cos(p)
+    # 8**2 - R**2 sin(theta)**2 = R**2 sin(top - |theta|) sin(top + |theta|), and top - |theta| = 2 top sin(q / 2)**2
+    q = np.minimum(np.minimum(p, np.abs(np.pi - p)), 2.0 * np.pi - p)
+    nearer = 2.0 * top * np.sin(0.5 * q) ** 2
+    v = R * np.sqrt(np.sin(nearer) * np.sin(2.0 * top - nearer)) * np.where(p <= np.pi, 1.0, -1.0)
+    np.testing.assert_allclose(points[:, 1], v, rtol=1e-14, atol=1e-14)
+    np.testing.assert_allclose(points[:, 0], R * theta, rtol=1e-14, atol=1e-13)
+    # at the ends of the fold |dv / dp| = R sqrt(top / 2 sin(2 top))
+    steep = 2.0 * np.pi * R * np.sqrt(0.5 * top * np.sin(2.0 * top))
+    np.testing.assert_allclose(slopes[[0, 6], 1], [steep, -steep], rtol=1e-13)
+
+
 def test_area_of_a_cross_hole():
     # 4 r**2 [E(k) - (1 - k**2) K(k)], k = a / r
     from scipy.special import ellipe, ellipk

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import abc
 import enum
+import functools
 import math
 from typing import ClassVar, Self
 
@@ -19,6 +20,7 @@ from brep_slicer.maps import Array
 
 # Gauss-Legendre panels are doubled until two results agree to this (relative to the curve's extent): quadrature noise.
 QUADRATURE_AGREEMENT = 1e-14
+PANEL_NODES = 20
 # Sampling gives up refining after this many halvings: 2**20 spans would be a chord below float resolution.
 MAXIMUM_HALVINGS = 20
 
@@ -53,6 +55,10 @@ class Curve(abc.ABC):
     @abc.abstractmethod
     def derivatives(self, s: Array) -> Array:
         """d(kappa, v)/ds in mm at parameters `s`, shape (n,); returns (n, 2)."""
+
+    def at(self, s: Array) -> tuple[Array, Array]:
+        """Points and derivatives at parameters `s` (n,), (n, 2) each: what they have in common is computed once."""
+        return self.points(s), self.derivatives(s)
 
     @abc.abstractmethod
     def reversed(self) -> Self:
@@ -153,15 +159,21 @@ def far_spans(curve: Curve, a: Array, b: Array, chord: float) -> Array:
     return far
 
 
+@functools.cache
+def _panel() -> tuple[Array, Array]:
+    """Nodes on (-1, 1) and weights of one Gauss-Legendre panel."""
+    return np.polynomial.legendre.leggauss(PANEL_NODES)
+
+
 def _integrate(integrand, curve: Curve) -> float:
-    nodes, weights = np.polynomial.legendre.leggauss(20)
+    nodes, weights = _panel()
     previous, panels = np.inf, 1
     total, scale = 0.0, 1.0
     while panels <= 1024:
         edges = np.linspace(0.0, 1.0, panels + 1)
         half = 0.5 / panels
         s = (edges[:-1, None] + half * (1.0 + nodes[None, :])).ravel()
-        values = integrand(curve.points(s), curve.derivatives(s)) * np.tile(weights, panels) * half
+        values = integrand(*curve.at(s)) * np.tile(weights, panels) * half
         total, scale = float(values.sum()), float(np.abs(values).sum())
         if abs(total - previous) <= QUADRATURE_AGREEMENT * max(scale, 1e-300) * 10.0:
             break

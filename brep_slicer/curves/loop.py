@@ -62,7 +62,9 @@ class Loop:
 
     def length(self) -> float:
         """Length in mm."""
-        return sum(curve.length() for curve in self.curves)
+        if "length" not in self._known:
+            self._known["length"] = sum(curve.length() for curve in self.curves)
+        return self._known["length"]
 
     def jog(self) -> float:
         """Largest gap between one curve's end and the next one's start, in mm."""

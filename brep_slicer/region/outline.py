@@ -205,11 +205,11 @@ def _turns(kappa: Array, period: float) -> Array:
 
 def projected(curve: Curve, s: Array, points: Array) -> tuple[Array, Array, Array]:
     """From parameters near to them the places on a curve nearest to `points`: parameters, offsets, derivatives."""
-    p, d = curve.points(s), curve.derivatives(s)
+    p, d = curve.at(s)
     best = np.hypot(*(points - p).T)
     for _ in range(PROJECTIONS):
         t = np.clip(s + np.einsum("ij,ij->i", points - p, d) / np.maximum(np.einsum("ij,ij->i", d, d), 1e-300), 0.0, 1.0)
-        q, e = curve.points(t), curve.derivatives(t)
+        q, e = curve.at(t)
         distance = np.hypot(*(points - q).T)
         better = distance < best
         s, best = np.where(better, t, s), np.where(better, distance, best)

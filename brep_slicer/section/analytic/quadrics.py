@@ -8,6 +8,9 @@ k = 1 for a cylinder, 0 for a sphere, 1 / cos(half angle)**2 for a cone about it
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 
 from brep_slicer.curves import Curve, QuadricCurve, SplineCurve
@@ -17,6 +20,13 @@ from brep_slicer.maps import TURN, Array
 # The closed form has to pass through the traced points this near, mm.
 AGREEMENT = 1e-9
 SAMPLES = 65
+# A curve at whose end the discriminant is less than this share of its most is steep there, and told by the angle of a fold:
+# v by kappa grows without bounds where the roots meet, and no quadrature follows it.
+STEEP_SHARE = 0.05
+# Where the discriminant is less than this share of the terms that it is the difference of, both roots have met: rounding.
+ROUNDING = 1e-14
+# A fold with one end only goes so many times the curve's width on: no point of the curve is then nearer to its other end.
+BEYOND = 4.0
 
 
 def closed_form_on_quadric(face: Face, curve: Curve, radius: float) -> Curve:
@@ -36,7 +46,8 @@ def closed_form_on_quadric(face: Face, curve: Curve, radius: float) -> Curve:
     if (step > 0.0).all() or (step < 0.0).all():
         branch = int(side[SAMPLES // 2])
         ends = (float(points[0, 0]), float(points[-1, 0]))
-        made = QuadricCurve(a=a, b=b, c=c, radius=radius, branch=branch, range=ends, face=face.index)
+        plain = QuadricCurve(a=a, b=b, c=c, radius=radius, branch=branch, range=ends, face=face.index)
+        made = _steep_at_an_end(plain)
     else:
         made = _folded(a, b, c, radius, points, side, face.index)
     return made if made is not None and _agrees(made, curve) else curve
@@ -68,12 +79,51 @@ def _trigonometric(coefficients: Array, theta: Array) -> Array:
     return sum(x * t for x, t in zip(coefficients, terms, strict=False))
 
 
+def _discriminant(a: float, b: Array, c: Array, radius: float) -> Callable[[Array], Array]:
+    """b**2 - a c by kappa: the two roots meet where it vanishes."""
+    return lambda kappa: _trigonometric(b, kappa / radius) ** 2 - a * _trigonometric(c, kappa / radius)
+
+
+def _steep_at_an_end(plain: QuadricCurve) -> QuadricCurve:
+    """The same curve, by the angle of a fold if both roots meet at one of its ends, or not far beyond it."""
+    discriminant = _discriminant(plain.a, plain.b, plain.c, plain.radius)
+    low, high = sorted(plain.range)
+    value = discriminant(np.linspace(low, high, SAMPLES))
+    steep = value[[0, -1]] < STEEP_SHARE * value.max()
+    noise = ROUNDING * (np.abs(plain.b).sum() ** 2 + abs(plain.a) * np.abs(plain.c).sum())
+    ends = [
+        _meeting_beyond(discriminant, end, way * (high - low), noise) if flag else None
+        for end, way, flag in zip((low, high), (-1.0, 1.0), steep, strict=True)
+    ]
+    if ends[0] is None and ends[1] is None:
+        return plain
+    first = ends[0] if ends[0] is not None else low - BEYOND * (high - low)
+    last = ends[1] if ends[1] is not None else high + BEYOND * (high - low)
+    middle, half = 0.5 * (first + last), 0.5 * (last - first)
+    # by the way from the end that is there: the cosine of a small angle loses half of the digits
+    kappa = np.array(plain.range)
+    from_first, from_last = (
+        2.0 * np.arcsin(np.sqrt(np.clip(way / (last - first), 0.0, 1.0))) for way in (kappa - first, last - kappa)
+    )
+    p, q = np.where(kappa < middle, from_first, np.pi - from_last).tolist()
+    return replace(plain, range=(p, q), fold=(middle, half))
+
+
+def _meeting_beyond(discriminant: Callable[[Array], Array], end: float, reach: float, noise: float) -> float | None:
+    """Where both roots meet between `end` and `reach` mm beyond; the end itself where they have met within `noise`."""
+    from scipy.optimize import brentq
+
+    at, beyond = (float(discriminant(np.array([k]))[0]) for k in (end, end + reach))
+    if at <= noise:
+        return end
+    if beyond >= 0.0:
+        return None
+    return float(brentq(lambda k: float(discriminant(np.array([k]))[0]), end, end + reach, xtol=1e-15, rtol=1e-15))
+
+
 def _folded(a: float, b: Array, c: Array, radius: float, points: Array, side: Array, face: int) -> QuadricCurve | None:
     """A curve that turns back in kappa: between the two angles where both roots meet."""
-
-    def discriminant(kappa: Array) -> Array:
-        return _trigonometric(b, kappa / radius) ** 2 - a * _trigonometric(c, kappa / radius)
-
+    discriminant = _discriminant(a, b, c, radius)
     inside = float(points[np.abs(side).argmax() if side.any() else SAMPLES // 2, 0])
     inside = float(points[SAMPLES // 2, 0]) if discriminant(np.array([inside]))[0] <= 0.0 else inside
     ends = [_fold_end(discriminant, inside, way, 0.5 * TURN * radius) for way in (-1.0, 1.0)]
@@ -88,7 +138,7 @@ def _folded(a: float, b: Array, c: Array, radius: float, points: Array, side: Ar
     )
 
 
-def _fold_end(discriminant, start: float, way: float, reach: float) -> float | None:
+def _fold_end(discriminant: Callable[[Array], Array], start: float, way: float, reach: float) -> float | None:
     """Where the discriminant first vanishes from `start` on, within half a turn."""
     from scipy.optimize import brentq
 

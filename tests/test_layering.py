@@ -13,6 +13,7 @@ PACKAGE = Path(__file__).resolve().parent.parent / "brep_slicer"
 # in the order of the flow; what stands in one row may not import from a later row
 FLOW = [
     {"errors", "maps", "notices", "version", "wording"},
+    {"layers"},
     {"curves", "geometry"},
     {"kernel"},
     {"field", "part"},

@@ -1,0 +1,174 @@
+"""The rigid motion of the plane that takes one side of a sheet's chart to the other.
+
+In: points, boxes, shapes in the plane of a sheet. Out: their copies, whole turns away, and which copy is which.
+
+A sheet is unrolled from the generator at theta = 0. Once round the axis, the chart lies beside its own beginning: moved along
+kappa by 2 pi R on a cylinder, turned about the apex by 2 pi sin(alpha) on a cone. A plane has no other side. Both motions, and
+all between them, are one formula in `length` and `angle`, which does not lose digits as the angle goes to 0.
+
+Words: *turn*, once round the axis, a real number from the generator at theta = 0; *copy*, the same thing whole turns away.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from brep_slicer.maps import Array
+
+if TYPE_CHECKING:
+    from shapely import Geometry, Polygon
+
+# Segments in which the sides of a window are drawn a turn, where they are arcs: the window is cut outside of what it holds.
+ARC_SEGMENTS = 720
+
+
+class Motion(NamedTuple):
+    """A rigid motion of the plane: q = (x cos + y sin, y cos - x sin) + (dx, dy)."""
+
+    cos: float
+    sin: float
+    dx: float
+    dy: float
+
+    @property
+    def is_translation(self) -> bool:
+        """Whether directions stay as they are."""
+        return self.sin == 0.0 and self.cos == 1.0
+
+    def points(self, points: Array) -> Array:
+        """Points (..., 2), moved."""
+        if self.is_translation:
+            return points + np.array([self.dx, self.dy])
+        return self.vectors(points) + np.array([self.dx, self.dy])
+
+    def vectors(self, vectors: Array) -> Array:
+        """Directions (..., 2), turned."""
+        x, y = vectors[..., 0], vectors[..., 1]
+        return np.stack([x * self.cos + y * self.sin, y * self.cos - x * self.sin], axis=-1)
+
+    def shape(self, shape: Geometry) -> Geometry:
+        """A shapely geometry, moved."""
+        from shapely.affinity import affine_transform, translate
+
+        if self.is_translation:
+            return translate(shape, self.dx, self.dy)
+        return affine_transform(shape, [self.cos, self.sin, -self.sin, self.cos, self.dx, self.dy])
+
+
+@dataclass(frozen=True, slots=True)
+class Closure:
+    """Of a chart whose ring at height 0 is `length` mm once round, and which turns by `angle` (rad, clockwise) a turn.
+
+    `angle` is 0 on a cylinder, -2 pi sin(alpha) on a cone; `length` is infinite on a sheet without a closure (a plane), and may
+    be 0 or less on a cone whose ring at height 0 lies beyond its apex. Round a cone's apex the plane is used up after
+    2 pi / |angle| turns (1.15 on a cone of 60 degrees): what lies farther than half of that from the generator at theta = 0 is
+    taken for a copy nearer by, so that longer ways are followed point by point.
+    """
+
+    length: float
+    angle: float = 0.0
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the chart has no two sides: nothing has copies."""
+        return math.isinf(self.length)
+
+    @property
+    def is_translation(self) -> bool:
+        """Whether copies are parallel to each other: what a family of parallel lines needs to meet itself round a full turn."""
+        return self.angle == 0.0
+
+    def motion(self, turns: float) -> Motion:
+        """The motion by a number of turns."""
+        if self.is_open or turns == 0:
+            return Motion(1.0, 0.0, 0.0, 0.0)
+        if self.angle == 0.0:
+            return Motion(1.0, 0.0, turns * self.length, 0.0)
+        a = turns * self.angle
+        sin, half = math.sin(a), math.sin(0.5 * a)
+        return Motion(math.cos(a), sin, self.length * sin / self.angle, -2.0 * self.length * half * half / self.angle)
+
+    def moved(self, points: Array, turns: Array | float) -> Array:
+        """Points (..., 2), each moved by its number of turns (broadcast against (...))."""
+        if self.is_open:
+            return points
+        turns = np.asarray(turns, dtype=np.float64)
+        if self.angle == 0.0:
+            shift = turns * self.length
+            return points + np.stack([shift, np.zeros_like(shift)], axis=-1)
+        x, y = points[..., 0], points[..., 1]
+        a = turns * self.angle
+        sin, cos, half = np.sin(a), np.cos(a), np.sin(0.5 * a)
+        scale = self.length / self.angle
+        return np.stack([x * cos + y * sin + scale * sin, y * cos - x * sin - 2.0 * scale * half * half], axis=-1)
+
+    def turns_of(self, points: Array) -> Array:
+        """Where points (..., 2) lie round the axis, in turns: theta / (2 pi), of the copy that they are."""
+        if self.is_open:
+            return np.zeros(np.shape(points)[:-1])
+        if self.angle == 0.0:
+            return points[..., 0] / self.length
+        return np.arctan2(self.angle * points[..., 0], self.length + self.angle * points[..., 1]) / self.angle
+
+    def heights_of(self, points: Array) -> Array:
+        """How far points (..., 2) lie from the ring of `length` along their generator, mm: v on a cylinder."""
+        x, y = points[..., 0], points[..., 1]
+        if self.angle == 0.0:
+            return y
+        # rings round the apex: (length + angle * height)**2 = (angle * x)**2 + (length + angle * y)**2
+        size = np.hypot(self.angle * x, self.length + self.angle * y)
+        if self.length <= 0.0:
+            return (size - self.length) / self.angle
+        return (2.0 * self.length * y + self.angle * (x * x + y * y)) / (size + self.length)
+
+    def at(self, turns: Array, heights: Array) -> Array:
+        """The point (..., 2) so many turns round and so high along its generator: the inverse of `turns_of`, `heights_of`."""
+        start = np.stack(np.broadcast_arrays(np.zeros_like(np.asarray(turns, dtype=np.float64)), heights), axis=-1)
+        return self.moved(start, turns)
+
+    def copies_of(self, points: Array, first: float = -0.5) -> Array:
+        """Which copy each of points (..., 2) is, (...) whole: 0 from `first` (turns) to a turn further on."""
+        return np.floor(self.turns_of(points) - first)
+
+    def canonical(self, points: Array, first: float = -0.5) -> Array:
+        """The copy of each of points (..., 2) that lies from `first` (turns) to a turn further on."""
+        return self.moved(points, -self.copies_of(points, first))
+
+    def nearest_turns(self, points: Array, targets: Array) -> Array:
+        """By how many whole turns each of points (..., 2) has to be moved to lie nearest to its target, (...)."""
+        return np.round(self.turns_of(targets) - self.turns_of(points))
+
+    def distances(self, a: Array, b: Array) -> Array:
+        """How far a (..., 2) is from the nearest copy of b (..., 2), (...), mm."""
+        return np.hypot(*np.moveaxis(self.moved(b, self.nearest_turns(b, a)) - a, -1, 0))
+
+    def span_of(self, box: tuple[float, float, float, float]) -> tuple[float, float]:
+        """From where to where a box (x0, y0, x1, y1; mm) reaches round the axis, in turns."""
+        x0, y0, x1, y1 = box
+        ends = self.turns_of(np.array([[x0, y0], [x0, y1], [x1, y0], [x1, y1]]))
+        return float(ends.min()), float(ends.max())
+
+    def copies_between(self, box: tuple[float, float, float, float], low: float, high: float) -> range:
+        """The turns by which a thing in `box` can be moved so that it may overlap what lies from `low` to `high` (turns)."""
+        if self.is_open:
+            return range(1)
+        first, last = self.span_of(box)
+        return range(math.ceil(low - last), math.floor(high - first) + 1)
+
+    def window(self, low: float, high: float, bottom: float, top: float) -> Polygon:
+        """What lies from `low` to `high` (turns) and from the heights `bottom` to `top` (mm), as a polygon."""
+        import shapely
+
+        if self.angle == 0.0:
+            return shapely.box(low * self.length, bottom, high * self.length, top)
+        turns = np.linspace(low, high, 2 + math.ceil(ARC_SEGMENTS * (high - low)))
+        # the arc that bulges outwards is drawn outside of its circle, by what a chord's middle lies inside
+        out = 1.0 / math.cos(0.5 * self.angle * (turns[1] - turns[0]))
+        far = ((self.length + self.angle * (top if self.angle > 0.0 else bottom)) * out - self.length) / self.angle
+        bottom, top = (bottom, far) if self.angle > 0.0 else (far, top)
+        below, above = (self.at(turns, np.full_like(turns, height)) for height in (bottom, top))
+        return shapely.Polygon(np.concatenate([below, above[::-1]]))

@@ -1,0 +1,172 @@
+"""Families of layers: level sets of one function with unit gradient, all of them developable.
+
+In: points of the axis frame. Out: the value c there, its gradient, the quadric of a level, the sheet of a level.
+
+|grad c| = 1, so that the integral of the section's area over c is the volume, and levels t apart are layers of thickness t.
+"""
+
+from __future__ import annotations
+
+import abc
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from brep_slicer.maps import TURN, Array
+
+from .closure import Closure
+from .sheet import Sheet, space_of_revolution
+
+# A cone flatter or steeper than this is none: |alpha| = 90 degrees is a plane, said so (rad).
+MOST_HALF_ANGLE = 0.5 * math.pi - 1e-6
+
+
+class LayerFamily(abc.ABC):
+    """What layers may lie on; frozen, compared by value."""
+
+    __slots__ = ()
+
+    name: ClassVar[str]
+
+    @abc.abstractmethod
+    def value(self, points: Array) -> Array:
+        """c (...) at points (..., 3) of the axis frame, mm."""
+
+    @abc.abstractmethod
+    def gradient(self, points: Array) -> Array:
+        """The unit gradient (..., 3) of c; zero on the axis itself where it has none."""
+
+    @abc.abstractmethod
+    def quadric(self, level: float) -> Array:
+        """The symmetric matrix Q (4, 4) with p Q p = 0 at the homogeneous points p = (x, y, z, 1) of a level's surface."""
+
+    @abc.abstractmethod
+    def closure(self, level: float) -> Closure:
+        """The closure of the sheet at a level."""
+
+    @abc.abstractmethod
+    def space_from_flat(self, points: Array, level: float) -> Array:
+        """See `Sheet.space_from_flat`."""
+
+    @abc.abstractmethod
+    def flat_from_space(self, points: Array, level: float) -> Array:
+        """See `Sheet.flat_from_space`."""
+
+    @abc.abstractmethod
+    def normals_from_flat(self, points: Array, level: float) -> Array:
+        """See `Sheet.normals_from_flat`."""
+
+    def sheet(self, level: float) -> Sheet:
+        """The sheet at a level (mm)."""
+        return Sheet(self, float(level))
+
+
+@dataclass(frozen=True, slots=True)
+class Cones(LayerFamily):
+    """c = rho cos(alpha) + z sin(alpha): cones at a constant distance from each other, alpha = `half_angle` (rad).
+
+    They taper towards +z where alpha > 0; alpha = 0 are cylinders, see there. The nappe with rho >= 0 counts: where a level's
+    apex lies inside of the part, its ring ends there.
+    """
+
+    name: ClassVar[str] = "cones"
+
+    half_angle: float
+
+    def __post_init__(self) -> None:
+        if not abs(self.half_angle) <= MOST_HALF_ANGLE:
+            raise ValueError(
+                f"half_angle is the angle between a cone's generator and the axis, less than 90 degrees, in radians "
+                f"({math.degrees(self.half_angle):g} degrees given): planes across the axis are a family of their own"
+            )
+
+    def value(self, points: Array) -> Array:
+        rho = np.hypot(points[..., 0], points[..., 1])
+        return rho * math.cos(self.half_angle) + points[..., 2] * math.sin(self.half_angle)
+
+    def gradient(self, points: Array) -> Array:
+        rho = np.hypot(points[..., 0], points[..., 1])
+        safe = np.where(rho > 0.0, rho, 1.0)
+        cos, sin = math.cos(self.half_angle), math.sin(self.half_angle)
+        return np.stack([points[..., 0] / safe * cos, points[..., 1] / safe * cos, np.full_like(rho, sin)], axis=-1)
+
+    def quadric(self, level: float) -> Array:
+        cos, sin = math.cos(self.half_angle), math.sin(self.half_angle)
+        q = np.diag([cos * cos, cos * cos, -sin * sin, -level * level])
+        q[2, 3] = q[3, 2] = level * sin
+        return q
+
+    def closure(self, level: float) -> Closure:
+        return Closure(TURN * level * math.cos(self.half_angle), -TURN * math.sin(self.half_angle))
+
+    def space_from_flat(self, points: Array, level: float) -> Array:
+        return space_of_revolution(points, self.closure(level), level, self.half_angle)
+
+    def flat_from_space(self, points: Array, level: float) -> Array:
+        rho, cos, sin = np.hypot(points[..., 0], points[..., 1]), math.cos(self.half_angle), math.sin(self.half_angle)
+        turns = np.arctan2(points[..., 1], points[..., 0]) / TURN
+        return self.closure(level).at(turns, points[..., 2] * cos - rho * sin)
+
+    def normals_from_flat(self, points: Array, level: float) -> Array:
+        theta, cos = TURN * self.closure(level).turns_of(points), math.cos(self.half_angle)
+        return np.stack([cos * np.cos(theta), cos * np.sin(theta), np.full_like(theta, math.sin(self.half_angle))], axis=-1)
+
+
+@dataclass(frozen=True, slots=True)
+class Cylinders(Cones):
+    """c = rho: coaxial cylinders, the paper's layers. kappa = c theta, v = z."""
+
+    name: ClassVar[str] = "cylinders"
+
+    half_angle: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Planes(LayerFamily):
+    """c = n p: parallel planes of any unit `normal` (3,) in the axis frame; (0, 0, 1), across the axis, by default.
+
+    In the plane, kappa runs along `kappa_direction` (the frame's x, cast on the plane; y where that is upright), v = n x kappa.
+    """
+
+    name: ClassVar[str] = "planes"
+
+    normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
+
+    def __post_init__(self) -> None:
+        if len(self.normal) != 3 or not math.isclose(math.hypot(*self.normal), 1.0, rel_tol=1e-12):
+            raise ValueError(f"the normal of a family of planes must be a unit vector of three numbers, got {self.normal}")
+
+    def frame(self) -> Array:
+        """The directions of kappa, v and the normal, rows of (3, 3)."""
+        n = np.array(self.normal)
+        x = np.array([0.0, 1.0, 0.0]) if abs(n[0]) > 1.0 - 1e-9 else np.array([1.0, 0.0, 0.0])
+        kappa = x - (x @ n) * n
+        kappa /= np.linalg.norm(kappa)
+        return np.stack([kappa, np.cross(n, kappa), n])
+
+    def value(self, points: Array) -> Array:
+        return np.asarray(points @ np.array(self.normal))
+
+    def gradient(self, points: Array) -> Array:
+        return np.broadcast_to(np.array(self.normal), points.shape).copy()
+
+    def quadric(self, level: float) -> Array:
+        q = np.zeros((4, 4))
+        q[:3, 3] = q[3, :3] = 0.5 * np.array(self.normal)
+        q[3, 3] = -level
+        return q
+
+    def closure(self, level: float) -> Closure:
+        return Closure(math.inf)
+
+    def space_from_flat(self, points: Array, level: float) -> Array:
+        kappa, v, n = self.frame()
+        return points[..., :1] * kappa + points[..., 1:] * v + level * n
+
+    def flat_from_space(self, points: Array, level: float) -> Array:
+        return np.asarray(points @ self.frame()[:2].T)
+
+    def normals_from_flat(self, points: Array, level: float) -> Array:
+        return np.broadcast_to(np.array(self.normal), (*points.shape[:-1], 3)).copy()

@@ -3,6 +3,6 @@
 In: words from a shell. Out: files, a few lines on the terminal, an exit code.
 """
 
-from .commands import app, main
+from .commands import app, main, run
 
-__all__ = ["app", "main"]
+__all__ = ["app", "main", "run"]

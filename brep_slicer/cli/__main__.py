@@ -3,7 +3,7 @@
 In: words from a shell. Out: what `brep-slicer` does.
 """
 
-from . import main
+from . import run
 
 if __name__ == "__main__":
-    main()
+    run()

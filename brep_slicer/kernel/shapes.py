@@ -33,8 +33,8 @@ from .untrimmed import untrimmed
 
 # A solid whose faces are on average farther apart than this share of its diagonal has a volume; thinner ones are looked at.
 THIN = 1e-2
-# Facets are believed where they make it so many times as thick as that: they miss a few in a hundred of a volume.
-BULKY = 4.0
+# Facets are believed where they make it so many times as thick as that: they leave their faces by a fifth of it at most.
+BULKY = 2.0
 
 
 def transformed(shape: Any, matrix: np.ndarray) -> Any:
@@ -95,7 +95,7 @@ def _checked(solid: Any, name: str) -> tuple[Any, Facets, tuple[str, ...]]:
     solid = untrimmed(solid)
     facets = facets_of(solid)
     volume, area = facets.bulk()
-    if abs(volume) < BULKY * THIN * diagonal_of(solid) * area:
+    if 2.0 * abs(volume) < BULKY * THIN * diagonal_of(solid) * area:
         # too thin for its facets to tell
         properties = GProp_GProps()
         BRepGProp.VolumeProperties_s(solid, properties)

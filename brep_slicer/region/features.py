@@ -5,9 +5,12 @@ In: the regions of layers that follow one another. Out: the number of the featur
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 
 import numpy as np
+
+from brep_slicer.groups import groups_of_pairs
 
 from .chart import polygon_from_piece
 from .region import Region
@@ -21,14 +24,15 @@ def features_of(regions: Sequence[Region]) -> list[list[int]]:
 
     Features are numbered in the order in which they are met. Pieces are compared at the same angles, across the seam too.
     """
-    from scipy.cluster.hierarchy import DisjointSet
-
-    sets = DisjointSet([(i, j) for i, region in enumerate(regions) for j in range(len(region.pieces))])
-    for i in range(1, len(regions)):
-        for j, k in overlapping_pieces(regions[i - 1], regions[i]):
-            sets.merge((i - 1, j), (i, k))
-    number: dict[tuple[int, int], int] = {}
-    return [[number.setdefault(sets[i, j], len(number)) for j in range(len(region.pieces))] for i, region in enumerate(regions)]
+    counts = [len(region.pieces) for region in regions]
+    first = np.concatenate([[0], np.cumsum(counts, dtype=int)])
+    pairs = [
+        (first[i - 1] + j, first[i] + k)
+        for i in range(1, len(regions))
+        for j, k in overlapping_pieces(regions[i - 1], regions[i])
+    ]
+    group = groups_of_pairs(int(first[-1]), np.array(pairs, dtype=int))
+    return [group[a:b].tolist() for a, b in itertools.pairwise(first)]
 
 
 def overlapping_pieces(first: Region, second: Region) -> list[tuple[int, int]]:

@@ -20,6 +20,7 @@ import numpy as np
 
 from brep_slicer.curves import Curve, Loop
 from brep_slicer.errors import LayerError
+from brep_slicer.groups import groups_of_pairs
 from brep_slicer.maps import Array
 from brep_slicer.section.chain import Arc, loops_from_arcs
 
@@ -316,13 +317,9 @@ class _Overlay:
 
 def _groups(names: list[int], pairs: list[tuple[int, int]]) -> dict[int, int]:
     """For each of `names`, the one that stands for all that `pairs` connect it with."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     place = {name: i for i, name in enumerate(names)}
     ends = np.array([(place[a], place[b]) for a, b in pairs], dtype=int).reshape(-1, 2)
-    graph = coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(len(names), len(names)))
-    _, labels = connected_components(graph, directed=False)
+    labels = groups_of_pairs(len(names), ends)
     _, first = np.unique(labels, return_index=True)
     return {name: names[first[label]] for name, label in zip(names, labels, strict=True)}
 

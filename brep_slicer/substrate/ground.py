@@ -15,6 +15,7 @@ from functools import cached_property
 
 import numpy as np
 
+from brep_slicer.groups import groups_of_pairs
 from brep_slicer.maps import Array
 
 from .lands import beyond
@@ -208,18 +209,13 @@ def runs(flags: Array) -> list[tuple[int, int]]:
 
 def labelled(flags: Array) -> Array:
     """Connected patches of a map, numbered from 1, across the seam too; 0 elsewhere."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     cell = np.cumsum(flags.ravel()).reshape(flags.shape) - 1
     beside = np.roll(flags, -1, axis=1) & flags
     above = flags[1:] & flags[:-1]
     a = np.concatenate([cell[beside], cell[:-1][above]])
     b = np.concatenate([np.roll(cell, -1, axis=1)[beside], cell[1:][above]])
-    count = int(flags.sum())
-    graph = coo_array((np.ones(len(a), dtype=bool), (a, b)), shape=(count, count))
     out = np.zeros(flags.shape, dtype=int)
-    out[flags] = connected_components(graph, directed=False)[1] + 1
+    out[flags] = groups_of_pairs(int(flags.sum()), np.stack([a, b], axis=1)) + 1
     return out
 
 
@@ -239,9 +235,6 @@ def connected(survey: Survey, flags: Array, radius: float) -> Array:
     Stretches of one solid on neighbouring rays are connected where their intervals overlap, those of several solids only if
     the solids touch.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     s: Stretches = survey.stretches
     chosen = np.flatnonzero(flags)
     order = chosen[np.argsort(s.ray[chosen], kind="stable")]
@@ -258,8 +251,6 @@ def connected(survey: Survey, flags: Array, radius: float) -> Array:
         slack = np.where(target[a] == ray[a], SAG * radius + beyond(radius), 0.0)
         meet = (start[a] <= end[b] + slack) & (start[b] <= end[a] + slack) & survey.touching[solid[a], solid[b]]
         links.append(np.stack([a, b], axis=1)[meet & (a != b)])
-    pairs = np.concatenate(links)
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(ray), len(ray)))
     out = np.full(len(s.ray), -1)
-    out[order] = connected_components(graph, directed=False)[1]
+    out[order] = groups_of_pairs(len(ray), np.concatenate(links))
     return out

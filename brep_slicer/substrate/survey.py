@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from brep_slicer.groups import groups_of_pairs
 from brep_slicer.maps import TURN, Array
 from brep_slicer.part import Part, Solid
 
@@ -205,8 +206,6 @@ def _touching(part: Part, s: Stretches) -> Array:
     out = np.eye(count, dtype=bool)
     if count == 1:
         return out
-    from scipy.cluster.hierarchy import DisjointSet
-
     from brep_slicer.kernel.shapes import boxes_apart, distance_of
 
     order = np.lexsort((s.start, s.ray))
@@ -216,16 +215,15 @@ def _touching(part: Part, s: Stretches) -> Array:
     slack = np.where(exact, CONTACT, SAG * end[:-1] + CONTACT)
     meets = (ray[1:] == ray[:-1]) & (start[1:] <= end[:-1] + slack) & (solid[1:] != solid[:-1])
     pairs, often = np.unique(np.sort(np.stack([solid[1:], solid[:-1]], axis=1)[meets], axis=1), axis=0, return_counts=True)
-    known = DisjointSet(range(count))
-    for a, b in pairs[often >= OFTEN].tolist():
-        out[a, b] = out[b, a] = True
-        known.merge(a, b)
+    seen = pairs[often >= OFTEN]
+    out[seen[:, 0], seen[:, 1]] = out[seen[:, 1], seen[:, 0]] = True
+    group = groups_of_pairs(count, seen)
     # what no ray shows: side by side, or on a small patch; asked only where it connects what is not connected yet
     for a, b in itertools.combinations(range(count), 2):
         shapes = part.solids[a].wrapped, part.solids[b].wrapped
-        if not known.connected(a, b) and boxes_apart(*shapes) <= CONTACT and distance_of(*shapes) <= CONTACT:
+        if group[a] != group[b] and boxes_apart(*shapes) <= CONTACT and distance_of(*shapes) <= CONTACT:
             out[a, b] = out[b, a] = True
-            known.merge(a, b)
+            group[group == group[b]] = group[a]
     return out
 
 

@@ -5,6 +5,7 @@ In: a polygon, beads. Out: the beads with more points, and the amount of metal a
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -28,17 +29,15 @@ def amounts_by_nearest(
     ground, beads: Sequence[Bead], *, step_over: float, width: float, period: float = 0.0
 ) -> tuple[list[Array], list[Array], float]:
     """(points, amounts) of each bead, and the share of the polygon that they reach; with a `period` across the seam, too."""
-    from scipy.spatial import cKDTree
-
     places, lengths, owner = _stretches(beads, STRETCH * step_over, width)
     cell = max(GRID * step_over, (ground.area / MOST_CELLS) ** 0.5)
-    points = _grid(ground, cell)
+    inside, corner = _grid(ground, cell)
     shifts = (-period, 0.0, period) if period else (0.0,)
-    tree = cKDTree(np.concatenate([places + np.array([s, 0.0]) for s in shifts]))
-    far, nearest = tree.query(points, distance_upper_bound=REACH * max(width, step_over))
-    near = np.isfinite(far)
-    count = np.bincount(nearest[near] % len(places), minlength=len(places)).astype(float)
-    area = count * (ground.area / max(len(points), 1))
+    copies = np.concatenate([places + np.array([s, 0.0]) for s in shifts])
+    nearest = _nearest((copies - corner) / cell, inside, REACH * max(width, step_over) / cell)
+    reached = nearest[nearest >= 0] % len(places)
+    cells = max(int(inside.sum()), 1)
+    area = np.bincount(reached, minlength=len(places)) * (ground.area / cells)
     out_points, out_amounts = [], []
     last = np.searchsorted(owner, np.arange(len(beads) + 1))
     for i, bead in enumerate(beads):
@@ -47,19 +46,38 @@ def amounts_by_nearest(
         p, a = _along(bead, amount)
         out_points.append(p)
         out_amounts.append(a)
-    return out_points, out_amounts, float(near.mean()) if len(points) else 0.0
+    return out_points, out_amounts, len(reached) / cells
 
 
-def _grid(ground, cell: float) -> Array:
-    """The middles (n, 2) of the square cells whose middles lie inside."""
+def _grid(ground, cell: float) -> tuple[Array, Array]:
+    """Of the square cells over a polygon, those (rows, columns) whose middles lie inside, and the first one's middle (2,)."""
     import shapely
 
     k0, v0, k1, v1 = ground.bounds
     kappa, v = (np.arange(lo + 0.5 * cell, hi, cell) for lo, hi in ((k0, k1), (v0, v1)))
-    x, y = (c.ravel() for c in np.meshgrid(kappa, v))
     shapely.prepare(ground)
-    inside = shapely.contains_xy(ground, x, y)
-    return np.stack([x[inside], y[inside]], axis=1)
+    return shapely.contains_xy(ground, *np.meshgrid(kappa, v)), np.array([k0, v0]) + 0.5 * cell
+
+
+def _nearest(places: Array, inside: Array, reach: float) -> Array:
+    """For each cell that is inside, the number of the place nearest to it; -1 where none is within reach, and outside.
+
+    Places (n, 2) and reach are in cells, from the middle of the first one. Each place looks at the cells round it only.
+    """
+    near = np.arange(-math.ceil(reach), math.ceil(reach) + 1)
+    columns, rows = (np.rint(places[:, k]).astype(int)[:, None] + near for k in (0, 1))
+    distance = np.hypot((columns - places[:, :1])[:, None, :], (rows - places[:, 1:])[:, :, None])
+    high, wide = inside.shape
+    there = ((columns >= 0) & (columns < wide))[:, None, :] & ((rows >= 0) & (rows < high))[:, :, None]
+    seen = (distance <= reach) & there
+    place, distance = np.nonzero(seen)[0], distance[seen]
+    cell = (rows[:, :, None] * wide + columns[:, None, :])[seen]
+    least = np.full(inside.size, np.inf)
+    np.minimum.at(least, cell, distance)
+    first = distance == least[cell]
+    out = np.full(inside.size, -1)
+    out[cell[first]] = place[first]
+    return np.where(inside, out.reshape(inside.shape), -1)
 
 
 def _stretches(beads: Sequence[Bead], longest: float, width: float) -> tuple[Array, Array, Array]:

@@ -12,23 +12,51 @@ from typing import Any
 import numpy as np
 
 from brep_slicer.errors import InputError
+from brep_slicer.maps import Array
 from brep_slicer.toolpath import COLUMNS, KINDS, Toolpath
 
 FORMAT = "brep_slicer toolpath 1"
-
+# Rows in words at a time: some hundred bytes each for as long.
+ROWS_AT_ONCE = 50_000
 
 UNITS = {"x": "mm", "y": "mm", "z": "mm", "kappa": "mm", "v": "mm", "radius": "mm", "speed": "mm/s"}
 
 
-def csv_from_toolpath(toolpath: Toolpath) -> str:
-    """The table: one line of names, one line a point."""
+def tables_from_toolpath(toolpath: Toolpath, header: dict[str, Any]) -> tuple[str, str]:
+    """The text of toolpath.csv, one line of names and one line a point, and of toolpath.json, the same as columns.
+
+    Both are made at once, since to find the shortest text of a number takes most of the time.
+    """
     lines = [",".join(COLUMNS)]
-    numbers = np.column_stack([toolpath.points, toolpath.normals, toolpath.kappa, toolpath.v, toolpath.radius, toolpath.speed])
-    kinds = np.where(toolpath.deposits, KINDS[0], KINDS[1]).tolist()
-    rows = zip(toolpath.layer.tolist(), toolpath.bead.tolist(), kinds, numbers.tolist(), strict=True)
-    # repr of a float is the shortest text that reads back to it
-    lines += [f"{layer},{bead},{kind},{','.join(map(repr, row))}" for layer, bead, kind, row in rows]
-    return "\n".join(lines) + "\n"
+    columns: dict[str, list[str]] = {name: [] for name in COLUMNS}
+    for first in range(0, len(toolpath), ROWS_AT_ONCE):
+        texts = _texts(toolpath, slice(first, first + ROWS_AT_ONCE))
+        lines += map(",".join, zip(*texts.values(), strict=True))
+        texts["kind"] = [f'"{kind}"' for kind in texts["kind"]]
+        for name in COLUMNS:
+            columns[name].append(", ".join(texts[name]))
+    described = json.dumps({"format": FORMAT, **header}, allow_nan=False).removesuffix("}")
+    listed = ", ".join(f'"{name}": [{", ".join(parts)}]' for name, parts in columns.items())
+    return "\n".join(lines) + "\n", f'{described}, "columns": {{{listed}}}}}\n'
+
+
+def _texts(toolpath: Toolpath, rows: slice) -> dict[str, list[str]]:
+    """Some rows in words, column by column in their order."""
+    arrays = {name: getattr(toolpath, name) for name in ("layer", "bead", "kappa", "v", "radius", "speed")}
+    arrays |= {name: toolpath.points[:, k] for k, name in enumerate("xyz")}
+    arrays |= {"n" + name: toolpath.normals[:, k] for k, name in enumerate("xyz")}
+    texts = {name: _shortest(array[rows]) for name, array in arrays.items()}
+    texts["kind"] = np.where(toolpath.deposits[rows], *KINDS).tolist()
+    return {name: texts[name] for name in COLUMNS}
+
+
+def _shortest(values: Array) -> list[str]:
+    """The shortest text of each number that reads back to it; of equal numbers it is found once."""
+    if not np.isfinite(values).all():
+        raise ValueError("a toolpath holds a value that is not finite")
+    # compared by their bits: 0.0 and -0.0 are two texts
+    _, first, which = np.unique(values.view(np.int64), return_index=True, return_inverse=True)
+    return np.array([repr(value) for value in values[first].tolist()], dtype=object)[which].tolist()
 
 
 def csv_metadata(header: dict[str, Any]) -> str:
@@ -41,22 +69,6 @@ def csv_metadata(header: dict[str, Any]) -> str:
         "notes": [header],
     }
     return json.dumps(described, indent=1, allow_nan=False) + "\n"
-
-
-def json_from_toolpath(toolpath: Toolpath, header: dict[str, Any]) -> str:
-    """The same as columns."""
-    columns: dict[str, Any] = {
-        "layer": toolpath.layer.tolist(),
-        "bead": toolpath.bead.tolist(),
-        "kind": np.where(toolpath.deposits, KINDS[0], KINDS[1]).tolist(),
-    }
-    for k, name in enumerate("xyz"):
-        columns[name] = toolpath.points[:, k].tolist()
-        columns["n" + name] = toolpath.normals[:, k].tolist()
-    for name in ("kappa", "v", "radius", "speed"):
-        columns[name] = getattr(toolpath, name).tolist()
-    ordered = {name: columns[name] for name in COLUMNS}
-    return json.dumps({"format": FORMAT, **header, "columns": ordered}, allow_nan=False) + "\n"
 
 
 def read_toolpath(path: str | Path) -> Toolpath:

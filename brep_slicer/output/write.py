@@ -14,7 +14,7 @@ from brep_slicer.planning import check_complete
 from .atomic import ensure_folder, write_text
 from .pictures import draw_layers, draw_toolpath
 from .report import header_of_plan
-from .tables import csv_from_toolpath, csv_metadata, json_from_toolpath
+from .tables import csv_metadata, tables_from_toolpath
 
 if TYPE_CHECKING:
     from brep_slicer.planning import Plan, PlanSections
@@ -54,9 +54,10 @@ def write_plan(
     proven = plan.proof() if proof else []
     written = [write_report(plan, place, **({"proof": proven} if proof else {}))]
     header = header_of_plan(plan)
-    written.append(write_text(place / "toolpath.csv", csv_from_toolpath(plan.toolpath)))
+    table, columns = tables_from_toolpath(plan.toolpath, header)
+    written.append(write_text(place / "toolpath.csv", table))
     written.append(write_text(place / "toolpath.csv-metadata.json", csv_metadata(header)))
-    written.append(write_text(place / "toolpath.json", json_from_toolpath(plan.toolpath, header)))
+    written.append(write_text(place / "toolpath.json", columns))
     if pictures:
         written.append(draw_layers(plan, place / "layers.png"))
         written.append(draw_toolpath(plan, place / "toolpath.png"))

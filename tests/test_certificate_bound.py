@@ -10,6 +10,7 @@ import pytest
 
 import brep_slicer as bs
 from brep_slicer.errors import LayerError
+from brep_slicer.layers import cylinder
 from brep_slicer.notices import NoticeKind
 from brep_slicer.planning.warnings import notices_of_sections
 from brep_slicer.region import Layer, region_from_loops, slicing
@@ -120,7 +121,7 @@ def test_another_critical_radius_beyond_the_step_leaves_a_bound(offset):
 
 def section(x, width, residual=0.0, reason=""):
     certificate = Certificate(engine=Engine.BOOLEAN, residual=residual, fallback=reason)
-    return region_from_loops(R, [rectangle(x, 0.0, x + width, 10.0)]), certificate
+    return region_from_loops(cylinder(R), [rectangle(x, 0.0, x + width, 10.0)]), certificate
 
 
 class TestNeighboursOfAStep:

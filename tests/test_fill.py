@@ -29,11 +29,13 @@ from brep_slicer.fill import (
 )
 from brep_slicer.fill.distance import Outline, ends_at_inset
 from brep_slicer.fill.full_turn import closing_lines
+from brep_slicer.layers import cylinder
 from brep_slicer.proof import coverage_of
 from brep_slicer.region import Region, region_from_loops
 from brep_slicer.section import cut_solids
 
 R = 20.0
+SHEET = cylinder(R)
 TURN = 2.0 * math.pi * R
 D, W = 3.4, 4.9
 ARGS = {"step_over": D, "width": W, "inset": 0.5 * W, "chord": 0.005}
@@ -42,17 +44,17 @@ ARGS = {"step_over": D, "width": W, "inset": 0.5 * W, "chord": 0.005}
 def rectangle(k0, v0, k1, v1, *, hole=False):
     corners = [(k0, v0), (k1, v0), (k1, v1), (k0, v1)]
     corners = corners[::-1] if hole else corners
-    return Loop(curves=tuple(LineCurve(p0=corners[i], p1=corners[(i + 1) % 4]) for i in range(4)), radius=R)
+    return Loop(curves=tuple(LineCurve(p0=corners[i], p1=corners[(i + 1) % 4]) for i in range(4)), sheet=SHEET)
 
 
 def box() -> Region:
-    return region_from_loops(R, [rectangle(-10.0, 0.0, 15.0, 30.0)])
+    return region_from_loops(SHEET, [rectangle(-10.0, 0.0, 15.0, 30.0)])
 
 
 def band() -> Region:
-    lower = Loop(curves=(LineCurve(p0=(0.0, 0.0), p1=(TURN, 0.0)),), radius=R, winding=1)
-    upper = Loop(curves=(LineCurve(p0=(TURN, 40.0), p1=(0.0, 40.0)),), radius=R, winding=-1)
-    return region_from_loops(R, [lower, upper, rectangle(55.0, 10.0, 70.0, 30.0, hole=True)])
+    lower = Loop(curves=(LineCurve(p0=(0.0, 0.0), p1=(TURN, 0.0)),), sheet=SHEET, winding=1)
+    upper = Loop(curves=(LineCurve(p0=(TURN, 40.0), p1=(0.0, 40.0)),), sheet=SHEET, winding=-1)
+    return region_from_loops(SHEET, [lower, upper, rectangle(55.0, 10.0, 70.0, 30.0, hole=True)])
 
 
 def wavy() -> Region:
@@ -63,7 +65,7 @@ def wavy() -> Region:
         top,
         LineCurve(p0=top.end, p1=(-12.0, 0.0)),
     ]
-    return region_from_loops(R, [Loop(curves=tuple(sides), radius=R)])
+    return region_from_loops(SHEET, [Loop(curves=tuple(sides), sheet=SHEET)])
 
 
 def leaning(turned: float = 0.0, first: int = 0, lean: float = 50.0, wide: float = 20.0, count: int = 4) -> Region:
@@ -74,8 +76,8 @@ def leaning(turned: float = 0.0, first: int = 0, lean: float = 50.0, wide: float
     corners = [(k + turns * TURN + turned, v) for (k, v), turns in places]
     upper = tuple(LineCurve(p0=q, p1=p) for p, q in itertools.pairwise(corners))[::-1]
     lower = (LineCurve(p0=(turned + 3.0, 0.0), p1=(turned + 3.0 + TURN, 0.0)),)
-    loops = [Loop(curves=lower, radius=R, winding=1), Loop(curves=upper, radius=R, winding=-1)]
-    return region_from_loops(R, loops)
+    loops = [Loop(curves=lower, sheet=SHEET, winding=1), Loop(curves=upper, sheet=SHEET, winding=-1)]
+    return region_from_loops(SHEET, loops)
 
 
 REGIONS = {"box": box, "band": band, "wavy": wavy}
@@ -140,9 +142,9 @@ def test_rings_close_and_a_hatch_crosses_the_seam():
 @given(st.floats(0.0, TURN))
 @settings(max_examples=20, deadline=None)
 def test_where_a_band_is_cut_open_is_nobodys_business(start):
-    lower = Loop(curves=(LineCurve(p0=(start, 0.0), p1=(start + TURN, 0.0)),), radius=R, winding=1)
-    upper = Loop(curves=(LineCurve(p0=(start + TURN, 40.0), p1=(start, 40.0)),), radius=R, winding=-1)
-    region = region_from_loops(R, [lower, upper, rectangle(55.0, 10.0, 70.0, 30.0, hole=True)])
+    lower = Loop(curves=(LineCurve(p0=(start, 0.0), p1=(start + TURN, 0.0)),), sheet=SHEET, winding=1)
+    upper = Loop(curves=(LineCurve(p0=(start + TURN, 40.0), p1=(start, 40.0)),), sheet=SHEET, winding=-1)
+    region = region_from_loops(SHEET, [lower, upper, rectangle(55.0, 10.0, 70.0, 30.0, hole=True)])
     for pattern in (Hatch(angle=math.radians(30.0)), Contours(count=2)):
         lengths = [np.sort([b.length() for b in fill_region(r, pattern, **ARGS).beads]) for r in (region, band())]
         assert np.allclose(lengths[0], lengths[1], atol=1e-6)
@@ -177,7 +179,7 @@ def test_contours_then_hatch_keep_apart():
 
 
 def test_a_piece_narrower_than_a_bead_gets_one_along_its_skeleton_and_that_is_said():
-    narrow = region_from_loops(R, [rectangle(0.0, 0.0, 4.0, 30.0)])
+    narrow = region_from_loops(SHEET, [rectangle(0.0, 0.0, 4.0, 30.0)])
     fill = fill_region(narrow, Hatch(angle=0.0), **ARGS)
     (bead,) = fill.beads
     assert bead.kind.value == "skeleton"
@@ -186,7 +188,7 @@ def test_a_piece_narrower_than_a_bead_gets_one_along_its_skeleton_and_that_is_sa
 
 
 def test_a_piece_without_a_bead_is_said():
-    tiny = region_from_loops(R, [rectangle(0.0, 0.0, 3.0, 4.0)])
+    tiny = region_from_loops(SHEET, [rectangle(0.0, 0.0, 3.0, 4.0)])
     fill = fill_region(tiny, Hatch(angle=0.0), **ARGS)
     assert not fill.beads
     assert "left bare" in str(fill.notes[0])
@@ -195,12 +197,12 @@ def test_a_piece_without_a_bead_is_said():
 @given(st.floats(2.45 * D, 40.0))
 @settings(max_examples=30, deadline=None)
 def test_a_wide_piece_gets_two_beads_at_least(width):
-    region = region_from_loops(R, [rectangle(0.0, 0.0, 30.0, width)])
+    region = region_from_loops(SHEET, [rectangle(0.0, 0.0, 30.0, width)])
     assert len(fill_region(region, Hatch(angle=0.0), **ARGS).beads) >= 2
 
 
 def test_short_beads_are_counted():
-    region = region_from_loops(R, [rectangle(0.0, 0.0, 6.0, 30.0)])
+    region = region_from_loops(SHEET, [rectangle(0.0, 0.0, 6.0, 30.0)])
     fill = fill_region(region, Hatch(angle=0.0), **ARGS, shortest_bead=2.0)
     assert [b.kind.value for b in fill.beads] == ["skeleton"]
     assert "beads shorter than 2 mm left out" in str(fill.notes[0])
@@ -266,9 +268,7 @@ def test_distances_from_exact_outlines_are_those_from_fine_samples(name, fixture
             k0, v0, k1, v1 = piece.bounds()
             points = np.random.default_rng(3).uniform([k0 - 2.0, v0 - 2.0], [k1 + 2.0, v1 + 2.0], (4000, 2))
             fine = 1e-6
-            copies = [
-                loop.shifted(k).sample(fine) for loop in piece.loops for k in ((-2, -1, 0, 1, 2) if piece.winds else (0,))
-            ]
+            copies = [loop.moved(k).sample(fine) for loop in piece.loops for k in ((-2, -1, 0, 1, 2) if piece.winds else (0,))]
             truth = shapely.MultiLineString([shapely.LineString(points) for points in copies])
             shapely.prepare(truth)
             found, away = Outline([piece], 1.5).distances(points)
@@ -290,14 +290,14 @@ def test_ends_do_not_slide_across_the_outline():
 
 def collar(radius: float, height: float, *holes: Loop) -> Region:
     turn = 2.0 * math.pi * radius
-    lower = Loop(curves=(LineCurve(p0=(0.0, 0.0), p1=(turn, 0.0)),), radius=radius, winding=1)
-    upper = Loop(curves=(LineCurve(p0=(turn, height), p1=(0.0, height)),), radius=radius, winding=-1)
-    return region_from_loops(radius, [lower, upper, *holes])
+    lower = Loop(curves=(LineCurve(p0=(0.0, 0.0), p1=(turn, 0.0)),), sheet=cylinder(radius), winding=1)
+    upper = Loop(curves=(LineCurve(p0=(turn, height), p1=(0.0, height)),), sheet=cylinder(radius), winding=-1)
+    return region_from_loops(cylinder(radius), [lower, upper, *holes])
 
 
 def polygon(points, radius: float = R) -> Loop:
     lines = [LineCurve(p0=p, p1=q) for p, q in itertools.pairwise([*points, points[0]])]
-    return Loop(curves=tuple(lines), radius=radius)
+    return Loop(curves=tuple(lines), sheet=cylinder(radius))
 
 
 @pytest.mark.parametrize("step_over", [0.8, 1.0, 2.0, 3.4])
@@ -318,7 +318,7 @@ def test_angles_next_to_none_are_rings():
 
 @pytest.mark.parametrize("half", [2.0, 5.0])
 def test_skeletons_reach_sharp_corners(half):
-    region = region_from_loops(R, [polygon([(-20.0, 0.0), (0.0, -half), (20.0, 0.0), (0.0, half)])])
+    region = region_from_loops(SHEET, [polygon([(-20.0, 0.0), (0.0, -half), (20.0, 0.0), (0.0, half)])])
     made = fill_region(region, PatternSequence(patterns=(Contours(count=None), Skeleton())), **ARGS)
     assert coverage_of(region, made.beads, W).bare_share < 0.005
     ends = np.concatenate([bead.points for bead in made.beads])[:, 0]
@@ -338,14 +338,14 @@ def test_edges_of_a_band_that_a_hole_breaks():
 def test_flanks_of_a_hexagon_wherever_it_lies():
     for turned in np.linspace(0.0, 1.0, 7):
         corners = [(12.0 * math.cos(a), 12.0 * math.sin(a)) for a in turned + np.arange(6) * math.pi / 3]
-        assert fill_region(region_from_loops(R, [polygon(corners)]), FlankFollowing(), **ARGS).beads
+        assert fill_region(region_from_loops(SHEET, [polygon(corners)]), FlankFollowing(), **ARGS).beads
 
 
 def test_ends_slid_towards_each_other_meet_and_do_not_pass():
     # an hourglass whose neck is an inset wide: its polygon is cut in two there, by its slack
     neck = 0.5 * W + 0.005
     corners = [(-20.0, -8.0), (0.0, -neck), (20.0, -8.0), (20.0, 8.0), (0.0, neck), (-20.0, 8.0)]
-    beads = fill_region(region_from_loops(R, [polygon(corners)]), Hatch(), **ARGS).beads
+    beads = fill_region(region_from_loops(SHEET, [polygon(corners)]), Hatch(), **ARGS).beads
     through = [np.sort(bead.points[:, 0]) for bead in beads if abs(bead.points[0, 1]) < 0.1]
     assert sum(high - low for low, high in through) == pytest.approx(40.0 - W, abs=1e-9)
     # a helix between a hole and the edge, two beads of which lay over each other
@@ -380,8 +380,8 @@ def test_starts_are_spread_on_beads_that_go_round_too(pattern):
 @pytest.mark.parametrize(("at", "jog"), [(10.0, 0.1), (9.5, 0.02), (5.0, 0.03), (2.7, 0.006), (3.2, 0.03)])
 def test_an_edge_gap_at_which_the_outline_crosses_itself_is_no_obstacle(at, jog, chosen):
     crossing = [(at, 30.0), (at + jog, 30.0 + jog), (at + 0.6 * jog, 30.0 - jog)]
-    region = region_from_loops(R, [polygon([(0.0, 0.0), (14.5, 0.0), (14.5, 30.0), *crossing, (0.0, 30.0)])])
-    plain = region_from_loops(R, [rectangle(0.0, 0.0, 14.5, 30.0)])
+    region = region_from_loops(SHEET, [polygon([(0.0, 0.0), (14.5, 0.0), (14.5, 30.0), *crossing, (0.0, 30.0)])])
+    plain = region_from_loops(SHEET, [rectangle(0.0, 0.0, 14.5, 30.0)])
     metal = [
         sum(bead.length() for bead in fill_region(r, PatternSequence(patterns=(Contours(count=1), chosen)), **ARGS).beads)
         for r in (region, plain)

@@ -14,6 +14,7 @@ from PIL import Image
 import brep_slicer as bs
 from brep_slicer.curves import LineCurve, Loop
 from brep_slicer.fill import Bead, BeadKind, LayerFill
+from brep_slicer.layers import cylinder
 from brep_slicer.output.pictures import draw_layers
 from brep_slicer.output.pictures.canvas import WIDER, Canvas, rgb
 from brep_slicer.output.pictures.layers import round_length
@@ -23,16 +24,17 @@ from brep_slicer.region import Layer, region_from_loops
 from brep_slicer.section import Certificate, Engine
 
 R = 60.0
+SHEET = cylinder(R)
 
 
 def polygon(corners, kappa=0.0, v=0.0):
     points = [(x + kappa, y + v) for x, y in corners]
     pairs = zip(points, [*points[1:], points[0]], strict=True)
-    return Loop(curves=tuple(LineCurve(p0=a, p1=b) for a, b in pairs), radius=R)
+    return Loop(curves=tuple(LineCurve(p0=a, p1=b) for a, b in pairs), sheet=SHEET)
 
 
 def layer_of(*loops):
-    region = region_from_loops(R, list(loops))
+    region = region_from_loops(SHEET, list(loops))
     certificate = Certificate(engine=Engine.ANALYTIC, residual=0.0, jog=0.0, checks={})
     return Layer(index=0, radius=R, cut_radius=R, thickness=1.0, region=region, area=region.area, certificate=certificate)
 
@@ -108,7 +110,7 @@ def test_beads_round_a_band_end_where_its_chart_does(fixture_step):
         bs.read_step(fixture_step("keyed_band")), bs.Process(layer_thickness=1.4, step_over=3.4), axis="Z", layers=(0, 1)
     )
     (layer,), (fill,) = plan.layers, plan.fills
-    half = 0.5 * layer.region.period
+    half = 0.5 * layer.region.closure.length
     strips = strips_of([shown(bead.points, layer) for bead in fill.beads], plan.process.width, within=half)
     assert max(np.abs(ring[:, 0]).max() for rings in strips for ring in rings) == pytest.approx(half)
     shows = whole(layer, fill, width=plan.process.width)

@@ -10,6 +10,7 @@ import pytest
 import brep_slicer as bs
 from brep_slicer.fill import BeadKind, Contours, Hatch, Skeleton, fill_layer, metal_of
 from brep_slicer.fill.strips import strip_areas
+from brep_slicer.layers import cylinder
 from brep_slicer.notices import NoticeKind
 from brep_slicer.proof import coverage_of, deposit_of
 from fixtures import bodies
@@ -198,7 +199,7 @@ def test_contours_and_skeleton_cover_what_is_too_narrow_for_a_hatch():
 def test_a_hole_is_measured_as_one():
     from brep_slicer.region import region_from_loops
 
-    region = region_from_loops(R, [rectangle(-20.0, 0.0, 20.0, 40.0), rectangle(-5.0, 12.0, 6.0, 25.0, hole=True)])
+    region = region_from_loops(cylinder(R), [rectangle(-20.0, 0.0, 20.0, 40.0), rectangle(-5.0, 12.0, 6.0, 25.0, hole=True)])
     fill = fill_layer(layer_of(region), PROCESS)
     assert metal_of(fill.beads, step_over=D, width=W).sum() == pytest.approx(region.area, rel=0.02)
 
@@ -225,7 +226,7 @@ def test_equal_pieces_get_equal_beads_and_others_their_own(pattern):
         polygon(*at(c, k)).pieces[0] for c, k in ((corners, -58.0), (taller, -30.0), (corners, 2.3), (corners, 36.0))
     )
     assert copies_of(pieces).first == (0, 1, 0, 0)
-    region = Region(radius=R, pieces=pieces)
+    region = Region(sheet=cylinder(R), pieces=pieces)
     fill = fill_layer(layer_of(region), PROCESS.updated(pattern=pattern, order="pattern"))
     mine = [[b for b in fill.beads if b.piece == i] for i in range(4)]
     for number, shift in ((2, 60.3), (3, 94.0)):
@@ -235,7 +236,9 @@ def test_equal_pieces_get_equal_beads_and_others_their_own(pattern):
             assert other.speed == pytest.approx(one.speed, abs=1e-9)
     # each as it would be alone
     for number, piece in enumerate(pieces[:2]):
-        alone = fill_layer(layer_of(Region(radius=R, pieces=(piece,))), PROCESS.updated(pattern=pattern, order="pattern"))
+        alone = fill_layer(
+            layer_of(Region(sheet=cylinder(R), pieces=(piece,))), PROCESS.updated(pattern=pattern, order="pattern")
+        )
         assert fill.metal[number] == pytest.approx(alone.metal[0], abs=1e-9)
         for one, other in zip(alone.beads, mine[number], strict=True):
             assert other.points == pytest.approx(one.points, abs=1e-6)
@@ -256,6 +259,6 @@ def test_a_pattern_that_knows_where_it_is_fills_each_piece_by_itself():
             return CellFill(beads=(Bead(points=[(kappa, v0), (kappa, v1)], kind=BeadKind.HATCH, piece=cell.index),), inset=0.0)
 
     square = [(0.0, 0.0), (15.0, 0.0), (15.0, 15.0), (0.0, 15.0)]
-    region = Region(radius=R, pieces=tuple(polygon(*at(square, k)).pieces[0] for k in (1.0, 26.0)))
+    region = Region(sheet=cylinder(R), pieces=tuple(polygon(*at(square, k)).pieces[0] for k in (1.0, 26.0)))
     fill = fill_layer(layer_of(region), PROCESS, lambda layer, piece: Across())
     assert [b.points[0, 0] for b in fill.beads] == [10.0, 30.0]

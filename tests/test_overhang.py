@@ -10,23 +10,25 @@ import pytest
 import brep_slicer as bs
 from brep_slicer.curves import Loop
 from brep_slicer.curves.line import LineCurve
+from brep_slicer.layers import cylinder as sheet_of
 from brep_slicer.notices import NoticeKind
 from brep_slicer.planning import cut_layers
 from brep_slicer.region import Region, drawn_region, overhang_of, region_from_loops
 
 R, REACH = 40.0, 2.0
+SHEET = sheet_of(R)
 PERIOD = 2.0 * math.pi * R
 
 
 def rectangle(k, v, length, height, radius):
     corners = [(k, v), (k + length, v), (k + length, v + height), (k, v + height)]
-    return Loop(curves=tuple(LineCurve(p0=corners[i - 1], p1=corners[i]) for i in range(4)), radius=radius)
+    return Loop(curves=tuple(LineCurve(p0=corners[i - 1], p1=corners[i]) for i in range(4)), sheet=sheet_of(radius))
 
 
 def drawn(*boxes, radius=R):
     """Boxes (kappa, v, length, height) on a cylinder."""
     loops = [rectangle(*one, radius) for one in boxes]
-    return drawn_region(region_from_loops(radius, loops), chord=0.01)
+    return drawn_region(region_from_loops(sheet_of(radius), loops), chord=0.01)
 
 
 def hanging(above, below, reach=REACH):
@@ -103,7 +105,7 @@ def test_several_regions_below_carry_together():
     halves = [drawn((0.0, 0.0, 10.0, 10.0)), drawn((10.0, 0.0, 10.0, 10.0))]
     assert overhang_of(drawn((0.0, 0.0, 20.0, 10.0)), halves, reach=REACH) is None
     assert overhang_of(drawn((0.0, 0.0, 20.0, 10.0)), halves[:1], reach=REACH).over_air == pytest.approx(100.0)
-    assert drawn_region(Region(radius=R), chord=0.01).polygons == ()
+    assert drawn_region(Region(sheet=SHEET), chord=0.01).polygons == ()
 
 
 # --- solids ---------------------------------------------------------------------------------------------------------------

@@ -13,6 +13,7 @@ import brep_slicer as bs
 from brep_slicer.curves import LineCurve, Loop
 from brep_slicer.fill import Contours, FlankFollowing, Hatch, Helix, PatternSequence, Rings, Zigzag, fill_region, in_cool_order
 from brep_slicer.fill.distance import Outline
+from brep_slicer.layers import cylinder
 from brep_slicer.proof import summary_of_proof
 from brep_slicer.region import region_from_loops
 
@@ -31,9 +32,9 @@ PATTERNS = {
 
 
 def plain_band(height=40.0):
-    lower = Loop(curves=(LineCurve(p0=(0.0, 0.0), p1=(TURN, 0.0)),), radius=R, winding=1)
-    upper = Loop(curves=(LineCurve(p0=(TURN, height), p1=(0.0, height)),), radius=R, winding=-1)
-    return region_from_loops(R, [lower, upper])
+    lower = Loop(curves=(LineCurve(p0=(0.0, 0.0), p1=(TURN, 0.0)),), sheet=cylinder(R), winding=1)
+    upper = Loop(curves=(LineCurve(p0=(TURN, height), p1=(0.0, height)),), sheet=cylinder(R), winding=-1)
+    return region_from_loops(cylinder(R), [lower, upper])
 
 
 @pytest.mark.parametrize("pattern", PATTERNS.values(), ids=PATTERNS)
@@ -280,7 +281,7 @@ def test_no_bead_is_laid_beside_a_hot_one():
 
 
 def rows(count):
-    return region_from_loops(R, [rectangle(0.0, 0.0, W + (count - 1) * D + 0.1, 30.0)])
+    return region_from_loops(cylinder(R), [rectangle(0.0, 0.0, W + (count - 1) * D + 0.1, 30.0)])
 
 
 def test_a_pattern_for_each_layer_and_piece(fixture_step):

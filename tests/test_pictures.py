@@ -7,6 +7,7 @@ import pytest
 
 from brep_slicer.curves import LineCurve, Loop
 from brep_slicer.fill import Bead, BeadKind, LayerFill
+from brep_slicer.layers import cylinder
 from brep_slicer.output.pictures import draw_layer
 from brep_slicer.region import Layer, region_from_loops
 from brep_slicer.section import Certificate, Engine
@@ -17,13 +18,13 @@ from .test_fill import TURN, R
 def closed(*corners):
     """A loop through `corners`, material on its left."""
     pairs = zip(corners, [*corners[1:], corners[0]], strict=True)
-    return Loop(curves=tuple(LineCurve(p0=a, p1=b) for a, b in pairs), radius=R)
+    return Loop(curves=tuple(LineCurve(p0=a, p1=b) for a, b in pairs), sheet=cylinder(R))
 
 
 def band_with(*loops):
-    lower = Loop(curves=(LineCurve(p0=(0.0, 0.0), p1=(TURN, 0.0)),), radius=R, winding=1)
-    upper = Loop(curves=(LineCurve(p0=(TURN, 40.0), p1=(0.0, 40.0)),), radius=R, winding=-1)
-    region = region_from_loops(R, [lower, upper, *loops])
+    lower = Loop(curves=(LineCurve(p0=(0.0, 0.0), p1=(TURN, 0.0)),), sheet=cylinder(R), winding=1)
+    upper = Loop(curves=(LineCurve(p0=(TURN, 40.0), p1=(0.0, 40.0)),), sheet=cylinder(R), winding=-1)
+    region = region_from_loops(cylinder(R), [lower, upper, *loops])
     certificate = Certificate(engine=Engine.ANALYTIC, residual=0.0, jog=0.0, checks={})
     return Layer(index=0, radius=R, cut_radius=R, thickness=1.0, region=region, area=region.area, certificate=certificate)
 

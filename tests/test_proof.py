@@ -24,6 +24,7 @@ from brep_slicer.fill import (
     with_speed_by_spacing,
 )
 from brep_slicer.fill.order import travel_of
+from brep_slicer.layers import cylinder
 from brep_slicer.proof import coverage_of, deposit_of, step_over_of
 from brep_slicer.region import region_from_loops
 
@@ -41,7 +42,7 @@ CONTOURS_AND_SKELETON = PatternSequence(patterns=(Contours(count=None), Skeleton
 
 def polygon(*corners):
     lines = tuple(LineCurve.between(a, b) for a, b in itertools.pairwise([*corners, corners[0]]))
-    return region_from_loops(R, [Loop(curves=lines, radius=R)])
+    return region_from_loops(cylinder(R), [Loop(curves=lines, sheet=cylinder(R))])
 
 
 def test_coverage_of_one_bead_in_closed_form():
@@ -201,7 +202,7 @@ def test_short_order_keeps_every_bead_and_shortens_travel():
     rng = np.random.default_rng(4)
     beads = [b for k in range(12) for b in fill_region(shifted(k), Hatch(angle=0.3), **ARGS).beads]
     mixed = [beads[i] for i in rng.permutation(len(beads))]
-    ordered = in_short_order(mixed, TURN)
+    ordered = in_short_order(mixed, cylinder(R).closure)
     assert len(ordered) == len(mixed)
     key = sorted(tuple(np.sort(b.points.ravel()).round(9)) for b in mixed)
     assert sorted(tuple(np.sort(b.points.ravel()).round(9)) for b in ordered) == key

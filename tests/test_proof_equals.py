@@ -11,6 +11,7 @@ import pytest
 import brep_slicer as bs
 from brep_slicer.curves import LineCurve, Loop
 from brep_slicer.fill import Bead, BeadKind, Contours, Hatch, LayerFill, Rings, fill_region
+from brep_slicer.layers import cylinder
 from brep_slicer.proof import coverage_of, evenness_of
 from brep_slicer.proof.coverage import coverage_of_shares
 from brep_slicer.proof.equals import leaders_of, shares_of
@@ -23,12 +24,12 @@ SIZES = {"width": W, "thickness": T, "step_over": D, "tolerance": 0.02}
 
 
 def boxes(*corners, wide=12.0, high=20.0):
-    return region_from_loops(R, [rectangle(k, v, k + wide, v + high) for k, v in corners])
+    return region_from_loops(cylinder(R), [rectangle(k, v, k + wide, v + high) for k, v in corners])
 
 
 def ring(low, high):
-    lower = Loop(curves=(LineCurve(p0=(0.0, low), p1=(TURN, low)),), radius=R, winding=1)
-    upper = Loop(curves=(LineCurve(p0=(TURN, high), p1=(0.0, high)),), radius=R, winding=-1)
+    lower = Loop(curves=(LineCurve(p0=(0.0, low), p1=(TURN, low)),), sheet=cylinder(R), winding=1)
+    upper = Loop(curves=(LineCurve(p0=(TURN, high), p1=(0.0, high)),), sheet=cylinder(R), winding=-1)
     return [lower, upper]
 
 
@@ -54,7 +55,7 @@ def test_pieces_moved_round_or_along_stand_for_one_another(pattern):
 
 
 def test_rings_of_equal_collars_stand_for_one_another():
-    region = region_from_loops(R, [loop for low in (0.0, 60.0, 120.0) for loop in ring(low, low + 17.0)])
+    region = region_from_loops(cylinder(R), [loop for low in (0.0, 60.0, 120.0) for loop in ring(low, low + 17.0)])
     assert times_of(region, filled(region, Rings())) == [3]
 
 
@@ -75,7 +76,7 @@ def test_a_piece_with_other_beads_or_speeds_is_proven_by_itself():
 
 def test_pieces_that_differ_are_not_equal():
     loops = [rectangle(-50, 0, -38, 20), rectangle(-10, 0, 2, 20.01), rectangle(30, 0, 42, 20)]
-    region = region_from_loops(R, loops)
+    region = region_from_loops(cylinder(R), loops)
     heights = [piece.bounds()[3] for piece in region.pieces]
     leader = leaders_of(region, LayerFill(beads=()))
     assert len(np.unique(leader)) == 2
@@ -136,14 +137,14 @@ def test_the_figures_are_those_of_the_whole_layer(name, fixture_step):
 def test_nothing_lies_outside_where_a_piece_is_over_the_seam(collar):
     # beads half a width inside of every border
     loops = [rectangle(0.5 * TURN + k, 0.0, 0.5 * TURN + k + 20.0, 20.0) for k in (-12.0, 20.0, -60.0)]
-    region = region_from_loops(R, [*loops, *(ring(40.0, 57.0) if collar else [])])
+    region = region_from_loops(cylinder(R), [*loops, *(ring(40.0, 57.0) if collar else [])])
     fill = filled(region, Hatch(angle=0.0))
     # but for the round ends of beads that are drawn as polygons
     assert coverage_of(region, fill.beads, W).outside == pytest.approx(0.0, abs=1e-6)
 
 
 def test_what_lies_outside_over_the_seam_counts_once():
-    region = region_from_loops(R, [rectangle(0.5 * TURN - 10.0, 0.0, 0.5 * TURN + 10.0, 20.0)])
+    region = region_from_loops(cylinder(R), [rectangle(0.5 * TURN - 10.0, 0.0, 0.5 * TURN + 10.0, 20.0)])
     line = np.array([[0.5 * TURN - 10.0, 20.0], [0.5 * TURN + 10.0, 20.0]])
     found = coverage_of(region, [Bead(points=line, kind=BeadKind.HATCH)], W)
     # half of a stadium 20 mm long and W wide, and the round ends beside the piece's corners

@@ -8,6 +8,7 @@ import inspect
 import pytest
 
 import brep_slicer as bs
+from brep_slicer.layers import cylinder
 from brep_slicer.substrate.axis import AxisCandidate
 from brep_slicer.substrate.layers import LayerStack
 from brep_slicer.substrate.radius import CylinderCandidate
@@ -100,6 +101,6 @@ def test_long_texts_are_shortened(kind, given):
 
 
 def test_nothing_is_said_of_what_is_not_there():
-    empty = bs.Region(radius=5.0)
+    empty = bs.Region(sheet=cylinder(5.0))
     assert repr(empty) == "Region(R 5 mm: 0 pieces, 0 mm2)"
     assert repr(bs.LayerFill(beads=())) == "LayerFill(0 beads (empty), 0 mm, 0 notes)"

@@ -9,6 +9,7 @@ import pytest
 
 import brep_slicer as bs
 from brep_slicer.fill import Bead, BeadKind, Contours, FlankFollowing, Hatch, LayerFill, fill_region
+from brep_slicer.layers import cylinder
 from brep_slicer.notices import Notice, NoticeKind
 from brep_slicer.planning.warnings import notices_of_fills, notices_of_sections
 from brep_slicer.proof import coverage_of
@@ -49,7 +50,7 @@ def test_a_note_on_several_layers_and_pieces_is_one_line(plan):
 
 
 def test_pieces_too_narrow_for_a_bead_are_one_line_with_the_range_of_their_areas(plan):
-    slits = [region_from_loops(R, [rectangle(0.0, 0.0, 1.5, height)]) for height in (2.0, 1.0, 1.5)]
+    slits = [region_from_loops(cylinder(R), [rectangle(0.0, 0.0, 1.5, height)]) for height in (2.0, 1.0, 1.5)]
     notes = [fill_region(slit, Hatch(angle=0.0), **ARGS).notes for slit in slits]
     fills = [replace(fill, notes=said) for fill, said in zip(plan.fills, [*notes, (), ()], strict=True)]
     assert warnings_of(plan.layers, fills, plan.process) == [
@@ -75,7 +76,7 @@ class TestBuiltOnTooLittle:
     @staticmethod
     def layer(template, number, widths):
         loops = [rectangle(40.0 * i, 0.0, 40.0 * i + 20.0, width) for i, width in enumerate(widths)]
-        region = region_from_loops(R, loops)
+        region = region_from_loops(cylinder(R), loops)
         return replace(template, index=number, radius=R, cut_radius=R, region=region, area=region.area)
 
     @staticmethod
@@ -156,7 +157,7 @@ def test_figures_are_values_and_worded_once(plan):
 @pytest.mark.parametrize(("pattern", "bare"), [(FlankFollowing(), True), (Hatch(angle=0.0), False), (Contours(), False)])
 def test_a_strip_that_gets_too_few_beads_is_told_of(plan, pattern, bare):
     # room for one bead and a third beside each other: one of 2.16 mm leaves a third of 3.3 mm bare
-    region = region_from_loops(R, [rectangle(0.0, 0.0, 3.3, 60.0)])
+    region = region_from_loops(cylinder(R), [rectangle(0.0, 0.0, 3.3, 60.0)])
     process = plan.process.updated(step_over=1.5)
     fill = fill_region(region, pattern, step_over=1.5, width=process.width, inset=0.5 * process.width, chord=0.01)
     layer = replace(plan.layers[0], region=region, area=region.area)

@@ -12,10 +12,12 @@ import abc
 import enum
 import functools
 import math
+from collections.abc import Callable
 from typing import ClassVar, Self
 
 import numpy as np
 
+from brep_slicer.layers import Motion
 from brep_slicer.maps import Array
 
 # Gauss-Legendre panels are doubled until two results agree to this (relative to the curve's extent): quadrature noise.
@@ -69,8 +71,8 @@ class Curve(abc.ABC):
         """The part from s0 to s1 (0 <= s0 < s1 <= 1), of the same kind."""
 
     @abc.abstractmethod
-    def shifted(self, dkappa: float) -> Self:
-        """Moved by `dkappa` mm, which must be a whole number of turns 2 * pi * R."""
+    def moved(self, motion: Motion) -> Self:
+        """The copy that a closure's motion gives; of a curve whose kind is a cylinder's, by whole turns along kappa only."""
 
     @abc.abstractmethod
     def on_radius(self, old: float, new: float) -> Self:
@@ -92,11 +94,11 @@ class Curve(abc.ABC):
         The area of a region is minus the sum of moment(1) over its boundary with the material on the left (Green);
         its first moment along v is minus half the sum of moment(2).
         """
-        return _integrate(lambda p, d: p[:, 1] ** power * d[:, 0], self)
+        return integrated(lambda p, d: p[:, 1] ** power * d[:, 0], self)
 
     def length(self) -> float:
         """Length in mm."""
-        return _integrate(lambda p, d: np.hypot(d[:, 0], d[:, 1]), self)
+        return integrated(lambda p, d: np.hypot(d[:, 0], d[:, 1]), self)
 
     def bounds(self) -> tuple[float, float, float, float]:
         """(kappa_min, v_min, kappa_max, v_max) in mm, by samples and one parabola step at each turning point."""
@@ -165,7 +167,8 @@ def _panel() -> tuple[Array, Array]:
     return np.polynomial.legendre.leggauss(PANEL_NODES)
 
 
-def _integrate(integrand, curve: Curve) -> float:
+def integrated(integrand: Callable[[Array, Array], Array], curve: Curve) -> float:
+    """The integral over s in [0, 1] of a function of points and derivatives (n, 2), by panels until two results agree."""
     nodes, weights = _panel()
     previous, panels = np.inf, 1
     total, scale = 0.0, 1.0

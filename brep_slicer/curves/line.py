@@ -10,6 +10,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
+from brep_slicer.layers import Motion
 from brep_slicer.maps import Array
 
 from .base import Curve, CurveKind, frozen_array
@@ -56,9 +57,8 @@ class LineCurve(Curve):
         p = self.points(np.array([s0, s1]))
         return LineCurve(p0=p[0], p1=p[1], face=self.face)
 
-    def shifted(self, dkappa: float) -> Self:
-        move = np.array([dkappa, 0.0])
-        return type(self)(p0=self.p0 + move, p1=self.p1 + move, face=self.face)
+    def moved(self, motion: Motion) -> Self:
+        return type(self)(p0=motion.points(self.p0), p1=motion.points(self.p1), face=self.face)
 
     def on_radius(self, old: float, new: float) -> Self:
         scale = np.array([new / old, 1.0])

@@ -2,8 +2,8 @@
 
 In: curves that follow one another with the material on their left. Out: Loop values with exact integrals.
 
-Words: *winding*, how often a loop goes round the shaft (0, or +-1 on a full band); *lift*, one of a loop's copies in the
-universal cover, a whole number of turns apart; *jog*, the gap between one curve's end and the next one's start.
+Words: *winding*, how often a loop goes round the shaft (0, or +-1 on a full band); *copy*, the same loop whole turns away, by
+the closure of its sheet; *jog*, the gap between one curve's end and the next one's start.
 """
 
 from __future__ import annotations
@@ -13,22 +13,23 @@ from typing import Any
 
 import numpy as np
 
-from brep_slicer.maps import TURN, Array
+from brep_slicer.layers import Closure, Sheet
+from brep_slicer.maps import Array
 from brep_slicer.wording import counted
 
-from .base import Curve
+from .base import Curve, integrated
 from .line import LineCurve
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Loop:
-    """A closed chain of `curves` on a cylinder of `radius` (mm), material on the left, kappa continuous.
+    """A closed chain of `curves` in the plane of a `sheet`, material on the left, kappa continuous.
 
-    A loop of winding w ends at its start plus (w * 2 * pi * radius, 0).
+    A loop of winding w ends at the copy of its start that lies w turns on.
     """
 
     curves: tuple[Curve, ...]
-    radius: float
+    sheet: Sheet
     winding: int = 0
     _moments: dict[int, float] = field(init=False, repr=False, default_factory=dict)
     _known: dict[str, Any] = field(init=False, repr=False, default_factory=dict)
@@ -36,16 +37,29 @@ class Loop:
     def __repr__(self) -> str:
         turn = f", winding {self.winding:+d}" if self.winding else ""
         curves = counted(len(self.curves), "curve")
-        return f"Loop(R {self.radius:.6g} mm: {curves}, {self.length():.6g} mm, {self.signed_area():.6g} mm2{turn})"
+        return f"Loop({self.sheet.label}: {curves}, {self.length():.6g} mm, {self.signed_area():.6g} mm2{turn})"
 
     @property
-    def period(self) -> float:
-        """Length of one turn, 2 * pi * radius, in mm."""
-        return TURN * self.radius
+    def radius(self) -> float:
+        """Radius of the cylinder that it lies on, mm."""
+        return self.sheet.radius
+
+    @property
+    def closure(self) -> Closure:
+        """The motion from a loop to its next copy."""
+        return self.sheet.closure
 
     def signed_area(self) -> float:
-        """Area to the left of the loop above v = 0, -integral of v dkappa, in mm**2 (Green)."""
+        """Area to the left of the loop, above v = 0 where it winds, in mm**2: -integral of v dkappa (Green)."""
+        if self.winding and not self.closure.is_translation:
+            return self._area_above_ring()
         return -self.moment(1)
+
+    def _area_above_ring(self) -> float:
+        """The same where copies are turned: the integral of a form that is one for every copy, jogs by straight segments."""
+        ends, following = self._joints()
+        jogs = [LineCurve(p0=a, p1=b) for a, b in zip(ends, following, strict=True)]
+        return -sum(integrated(self.closure.swept_area, curve) for curve in (*self.curves, *jogs))
 
     def moment(self, power: int) -> float:
         """Integral of v**power dkappa once round, in mm**(power + 1); jogs are closed by straight segments."""
@@ -53,7 +67,7 @@ class Loop:
             ends, following = self._joints()
             lines = np.array([isinstance(curve, LineCurve) for curve in self.curves])
             starts = np.concatenate([following[-1:], following[:-1]])
-            starts[0, 0] -= self.winding * self.period
+            starts[0] = self.closure.moved(starts[0], -self.winding)
             a, b = np.concatenate([ends, starts[lines]]), np.concatenate([following, ends[lines]])
             mean = sum(a[:, 1] ** i * b[:, 1] ** (power - i) for i in range(power + 1)) / (power + 1)
             curved = sum(curve.moment(power) for curve in self.curves if not isinstance(curve, LineCurve))
@@ -81,7 +95,7 @@ class Loop:
         starts = np.array([curve.start for curve in self.curves])
         ends = np.array([curve.end for curve in self.curves])
         following = np.concatenate([starts[1:], starts[:1]])
-        following[-1, 0] += self.winding * self.period
+        following[-1] = self.closure.moved(following[-1], self.winding)
         return ends, following
 
     def bounds(self) -> tuple[float, float, float, float]:
@@ -100,25 +114,25 @@ class Loop:
     def sample(self, chord: float) -> Array:
         """Points (n, 2) once round, within `chord` (mm) of the curves; the first is repeated (a turn on) at the end."""
         parts = [curve.sample(chord)[:-1] for curve in self.curves]
-        first = parts[0][0] + np.array([self.winding * self.period, 0.0])
+        first = self.closure.moved(parts[0][0], self.winding)
         return np.concatenate([*parts, first[None, :]])
 
-    def shifted(self, turns: int) -> Loop:
-        """The lift `turns` turns further on."""
+    def moved(self, turns: int) -> Loop:
+        """The copy `turns` turns further on."""
         if turns == 0:
             return self
-        moved = tuple(curve.shifted(turns * self.period) for curve in self.curves)
-        return Loop(curves=moved, radius=self.radius, winding=self.winding)
+        motion = self.closure.motion(turns)
+        return Loop(curves=tuple(curve.moved(motion) for curve in self.curves), sheet=self.sheet, winding=self.winding)
 
     def reversed(self) -> Loop:
         """The loop run through the other way: the material changes sides."""
         return Loop(
             curves=tuple(curve.reversed() for curve in reversed(self.curves)),
-            radius=self.radius,
+            sheet=self.sheet,
             winding=-self.winding,
         )
 
-    def on_radius(self, radius: float) -> Loop:
+    def on_sheet(self, sheet: Sheet) -> Loop:
         """The loop of the same angles on another cylinder."""
-        moved = tuple(curve.on_radius(self.radius, radius) for curve in self.curves)
-        return Loop(curves=moved, radius=radius, winding=self.winding)
+        moved = tuple(curve.on_radius(self.radius, sheet.radius) for curve in self.curves)
+        return Loop(curves=moved, sheet=sheet, winding=self.winding)

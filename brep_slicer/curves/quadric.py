@@ -14,6 +14,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
+from brep_slicer.layers import Motion
 from brep_slicer.maps import Array
 
 from .base import Curve, CurveKind, frozen_array
@@ -141,7 +142,8 @@ class QuadricCurve(Curve):
         a, b = self._own_parameter(np.array([s0, s1]))
         return replace(self, range=(float(a), float(b)))
 
-    def shifted(self, dkappa: float) -> Self:
+    def moved(self, motion: Motion) -> Self:
+        dkappa = motion.along_kappa
         if self.fold is None:
             return replace(self, range=(self.range[0] + dkappa, self.range[1] + dkappa))
         return replace(self, fold=(self.fold[0] + dkappa, self.fold[1]))

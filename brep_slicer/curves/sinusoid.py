@@ -10,6 +10,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
+from brep_slicer.layers import Motion
 from brep_slicer.maps import Array
 
 from .base import Curve, CurveKind, frozen_array
@@ -56,8 +57,8 @@ class SinusoidCurve(Curve):
         a, b = self._kappa(np.array([s0, s1]))
         return replace(self, range=(float(a), float(b)))
 
-    def shifted(self, dkappa: float) -> Self:
-        return replace(self, range=(self.range[0] + dkappa, self.range[1] + dkappa))
+    def moved(self, motion: Motion) -> Self:
+        return replace(self, range=(self.range[0] + motion.along_kappa, self.range[1] + motion.along_kappa))
 
     def on_radius(self, old: float, new: float) -> Self:
         scale = new / old

@@ -11,6 +11,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
+from brep_slicer.layers import Motion
 from brep_slicer.maps import Array
 
 from .base import Curve, CurveKind, frozen_array
@@ -87,13 +88,13 @@ class SplineCurve(Curve):
         coefficients[:, 0], coefficients[:, -1] = nodes[:, 0], nodes[:, -1]
         return SplineCurve(coefficients=coefficients, breaks=(breaks - s0) / (s1 - s0), residual=self.residual, face=self.face)
 
-    def shifted(self, dkappa: float) -> Self:
-        return self._moved(self.coefficients + np.array([dkappa, 0.0]))
+    def moved(self, motion: Motion) -> Self:
+        return self._of(motion.points(self.coefficients))
 
     def on_radius(self, old: float, new: float) -> Self:
-        return self._moved(self.coefficients * np.array([new / old, 1.0]))
+        return self._of(self.coefficients * np.array([new / old, 1.0]))
 
-    def _moved(self, coefficients: Array) -> Self:
+    def _of(self, coefficients: Array) -> Self:
         return type(self)(coefficients=coefficients, breaks=self.breaks, residual=self.residual, face=self.face)
 
     def moment(self, power: int = 1) -> float:

@@ -17,7 +17,9 @@ from functools import cached_property
 
 import numpy as np
 
+from brep_slicer.layers import NO_CLOSURE
 from brep_slicer.maps import Array
+from brep_slicer.region import Piece
 
 from .bead import Bead, BeadKind, LayerFill
 from .inset import window_of
@@ -69,9 +71,8 @@ def wanted_ground(shape: Shape, beads: Sequence[Bead], inset: float, step_over: 
     beyond = 0.5 * step_over - inset
     if beyond <= 0.0:
         return shape.once
-    period = shape.piece.outer[0].period if shape.piece.winds else 0.0
-    shifts = (-period, 0.0, period) if period else (0.0,)
-    lines = shapely.MultiLineString([bead.points + np.array([s, 0.0]) for bead in beads for s in shifts])
+    piece = shape.piece
+    lines = shapely.MultiLineString([piece.closure.moved(bead.points, k) for bead in beads for k in piece.beside])
     beside = lines.buffer(0.5 * step_over, cap_style="square", quad_segs=QUARTER_SEGMENTS)
     return shape.once.union(grown(shape, beyond).intersection(beside))
 
@@ -199,9 +200,10 @@ class _Task:
 
     def _by_nearest(self) -> Laid:
         ground = wanted_ground(self.shape, self.beads, self.inset, self.step_over)
-        period = self.shape.piece.outer[0].period if self.shape.piece.winds else 0.0
+        piece = self.shape.piece
+        closure = piece.closure if piece.winds else NO_CLOSURE
         points, amounts, share = amounts_by_nearest(
-            ground, self.beads, step_over=self.step_over, width=self.width, period=period
+            ground, self.beads, step_over=self.step_over, width=self.width, closure=closure
         )
         return Laid(points=points, amounts=amounts, served=share * self.wanted, most=MOST_ELSE)
 
@@ -218,7 +220,7 @@ class _Task:
         wanted = self.wanted
         in_lobes = sum(lobe.area for lobe in lobes)
         if lobes:
-            inner = _without(inner, lobes, self.shape.piece.outer[0].period if self.shape.piece.winds else 0.0)
+            inner = _without(inner, lobes, self.shape.piece)
         points: list[Array] = [np.zeros((0, 2))] * len(self.beads)
         amounts: list[Array] = [np.zeros(0)] * len(self.beads)
         served = 0.0
@@ -319,13 +321,11 @@ def _common_angle(beads: Sequence[Bead]) -> float | None:
     return None if (off > ALIKE * lengths.max()).any() else float(np.arctan2(longest[1], longest[0]))
 
 
-def _without(ground, lobes, period: float):
-    """A polygon without lobes; with a `period` (mm), without their copies a turn away, too."""
+def _without(ground, lobes, piece: Piece):
+    """A piece's polygon without lobes; of a full turn, without their copies a turn away, too."""
     import shapely
-    import shapely.affinity
 
-    shifts = (-period, 0.0, period) if period else (0.0,)
-    copies = [shapely.affinity.translate(lobe, shift) for lobe in lobes for shift in shifts]
+    copies = [piece.closure.motion(turns).shape(lobe) for lobe in lobes for turns in piece.beside]
     return ground.difference(shapely.union_all(copies))
 
 

@@ -103,8 +103,8 @@ def _holds(rule: Rule, piece: Piece) -> bool:
         return False
     if rule.narrower_than is None:
         return True
-    chord, period = 0.01 * rule.narrower_than, piece.outer[0].period
-    shape = band_between(piece, 0.0, 2.0 * period, chord=chord) if piece.winds else polygon_from_piece(piece, chord=chord)
+    chord = 0.01 * rule.narrower_than
+    shape = band_between(piece, 0.0, 2.0, chord=chord) if piece.winds else polygon_from_piece(piece, chord=chord)
     circles = shapely.maximum_inscribed_circle(shapely.get_parts(shape), tolerance=1e-3 * rule.narrower_than)
     return 2.0 * float(shapely.length(circles).max()) < rule.narrower_than
 
@@ -147,7 +147,7 @@ def fill_layer(layer: Layer, process: Process, pattern: PatternChoice | None = N
 
 def _in_short_order(beads: tuple[Bead, ...], layer: Layer, process: Process) -> tuple[Bead, ...]:
     reach = TOGETHER * process.step_over
-    return in_short_order_by_pieces(beads, layer.region.period, reach=reach, turned=process.both_ways)
+    return in_short_order_by_pieces(beads, layer.region.closure, reach=reach, turned=process.both_ways)
 
 
 def _chosen(process: Process, choose: PatternChoice, layer: int, piece: Piece) -> Pattern:
@@ -189,7 +189,7 @@ def _at_its_speed(layer: Layer, fill: LayerFill, process: Process) -> LayerFill:
     """The speeds that the spacing of the beads, or the metal of the pieces, asks for."""
     limits = (process.slowest, process.fastest)
     if process.speed_follows_spacing and fill.beads:
-        beads = with_speed_by_spacing(fill.beads, step_over=process.step_over, limits=limits, period=layer.region.period)
+        beads = with_speed_by_spacing(fill.beads, step_over=process.step_over, limits=limits, closure=layer.region.closure)
         fill = replace(fill, beads=beads, notes=(*fill.notes, *_at_the_limit(beads, limits)))
     if not process.balance:
         return fill

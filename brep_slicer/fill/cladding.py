@@ -8,6 +8,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from .bead import Bead, BeadKind
 from .contours import rings_at
 from .hatch import Hatch
@@ -51,10 +53,10 @@ class Helix(Pattern):
             note = "it does not go all the way round: hatched along the circumference instead of clad by a helix"
             made = Hatch(angle=0.0).fill(cell)
             return replace(made, notes=(*made.notes, note))
-        period = cell.piece.outer[0].period
-        sine = self.starts * cell.step_over / period
+        length = cell.piece.closure.length
+        sine = self.starts * cell.step_over / length
         if sine >= 1.0:
-            note = f"{self.starts} starts of {cell.step_over:g} mm do not fit round {period:g} mm: rings instead"
+            note = f"{self.starts} starts of {cell.step_over:g} mm do not fit round {length:g} mm: rings instead"
             made = Rings().fill(cell)
             return replace(made, notes=(*made.notes, note))
         angle = -math.asin(sine) if self.left_handed else math.asin(sine)
@@ -71,10 +73,10 @@ def _edges_of_band(cell: Cell) -> list[Bead]:
 
     Where the inset does not go round, for a hole that leaves no room beside it, those that bound what is left of it.
     """
-    period = cell.piece.outer[0].period
+    closure = cell.piece.closure
     every = rings_at(cell, cell.inset)
-    lines = [p for p in every if abs(abs(p[-1, 0] - p[0, 0]) - period) < 1e-6 * period] or every
-    lines.sort(key=lambda p: float(p[:, 1].mean()))
+    lines = [p for p in every if round(abs(float(np.diff(closure.turns_along(p)[[0, -1]])[0]))) == 1] or every
+    lines.sort(key=lambda p: float(closure.heights_of(p).mean()))
     return [Bead(points=p, kind=BeadKind.RING, piece=cell.index, closed=True) for p in lines]
 
 

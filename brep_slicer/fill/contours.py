@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from brep_slicer.layers import Closure
 from brep_slicer.maps import Array
 from brep_slicer.region import stitched_outlines
 
@@ -48,30 +49,31 @@ def rings_at(cell: Cell, distance: float) -> list[Array]:
     if not cell.piece.winds:
         inset = inset_piece(cell.piece, distance, chord=cell.chord)
         return [from_the_lowest(np.asarray(ring.coords)) for p in inset.polygons for ring in (p.exterior, *p.interiors)]
-    period = cell.piece.outer[0].period
-    cut = float(cell.piece.outer[0].curves[0].start[0])
+    closure, cut = cell.piece.closure, cell.piece.cut
     shape = three_turns_moved(cell.piece, distance, chord=cell.chord)
     # what is drawn there ends an inset before a turn on either side of the window
-    found = stitched_outlines(shape, first=cut - 0.5 * period, period=period)
-    round_lines = [_from_the_cut(points, cut, winding * period) for points, winding in found if winding]
-    rings = [_in_the_window(from_the_lowest(points), cut, period) for points, winding in found if not winding]
-    return sorted(round_lines, key=lambda points: float(points[:, 1].mean())) + rings
+    found = stitched_outlines(shape, closure, first=cut - 0.5)
+    round_lines = [_from_the_cut(points, cut, winding, closure) for points, winding in found if winding]
+    rings = [_in_the_window(from_the_lowest(points), cut, closure) for points, winding in found if not winding]
+    return sorted(round_lines, key=lambda points: float(closure.heights_of(points).mean())) + rings
 
 
-def _in_the_window(ring: Array, cut: float, period: float) -> Array:
-    return ring - np.array([math.floor((ring[:, 0].min() - cut) / period) * period, 0.0])
+def _in_the_window(ring: Array, cut: float, closure: Closure) -> Array:
+    return closure.moved(ring, -math.floor(float(closure.turns_along(ring).min()) - cut))
 
 
-def _from_the_cut(points: Array, cut: float, turn: float) -> Array:
-    """A line that goes round by `turn` (mm, either way), run from kappa = `cut` or a turn on, where that is lowest."""
-    steps = np.floor((np.sign(turn) * (points[:, 0] - cut)) / abs(turn))
+def _from_the_cut(points: Array, cut: float, winding: int, closure: Closure) -> Array:
+    """A line that goes round (by +1 or -1 turns), run from `cut` or a turn on, where it is lowest there."""
+    turns = closure.turns_along(points)
+    steps = np.floor(winding * (turns - cut))
     crossing = np.flatnonzero(np.diff(steps) > 0.0)
-    level = cut + np.sign(turn) * steps[crossing + 1] * abs(turn)
-    (k0, v0), (k1, v1) = points[crossing].T, points[crossing + 1].T
-    heights = v0 + (v1 - v0) * (level - k0) / (k1 - k0)
-    i = int(crossing[heights.argmin()])
-    start = np.array([[level[heights.argmin()], heights.min()]])
-    once = np.array([turn, 0.0])
-    chain = np.concatenate([start, points[i + 1 : -1], points[: i + 1] + once, start + once])
-    chain[:, 0] += (cut if turn > 0.0 else cut - turn) - chain[0, 0]
+    level = cut + winding * steps[crossing + 1]
+    share = (level - turns[crossing]) / (turns[crossing + 1] - turns[crossing])
+    places = points[crossing] + share[:, None] * (points[crossing + 1] - points[crossing])
+    lowest = int(closure.heights_of(places).argmin())
+    i, start = int(crossing[lowest]), places[lowest][None]
+    # exactly on the cut
+    start = closure.at(level[[lowest]], closure.heights_of(start))
+    chain = np.concatenate([start, points[i + 1 : -1], closure.moved(points[: i + 1], winding), closure.moved(start, winding)])
+    chain = closure.moved(chain, round((cut if winding > 0 else cut + 1.0) - float(level[lowest])))
     return chain[np.append(True, np.hypot(*np.diff(chain, axis=0).T) > 1e-12)]

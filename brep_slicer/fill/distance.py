@@ -14,7 +14,7 @@ import numpy as np
 
 from brep_slicer.curves import CurveBatch, LineCurve
 from brep_slicer.maps import Array
-from brep_slicer.region import Piece, lifts_between
+from brep_slicer.region import Piece, copies_between
 
 # Feet on curved curves are sought from chords within this share of the distance that matters, then polished by Newton.
 SEARCH_SHARE = 0.05
@@ -37,11 +37,11 @@ class Outline:
     """
 
     def __init__(self, pieces: Sequence[Piece], reach: float) -> None:
-        self.period = pieces[0].outer[0].period
-        first = [p for p in pieces if p.winds] or pieces
-        self.cut = float(first[0].outer[0].curves[0].start[0])
-        window = self.cut - reach, self.cut + self.period + reach
-        loops = [loop.shifted(k) for piece in pieces for loop in piece.loops for k in lifts_between(loop, *window)]
+        self.closure = pieces[0].closure
+        self.cut = next((p for p in pieces if p.winds), pieces[0]).cut
+        beside = self.closure.turns_across(reach, np.array([piece.bounds() for piece in pieces]))
+        window = self.cut - beside, self.cut + 1.0 + beside
+        loops = [loop.moved(k) for piece in pieces for loop in piece.loops for k in copies_between(loop, *window)]
         curves = [curve for loop in loops for curve in loop.curves]
         self.lines = np.array([(c.p0, c.p1) for c in curves if isinstance(c, LineCurve)]).reshape(-1, 2, 2)
         self.curved = CurveBatch([c for c in curves if not isinstance(c, LineCurve)])
@@ -70,8 +70,8 @@ class Outline:
         """Distance (n,) in mm to the nearest curve, and the unit direction (n, 2) away from it."""
         import shapely
 
-        q = np.array(points, dtype=float)
-        q[:, 0] -= np.floor((q[:, 0] - self.cut) / self.period) * self.period
+        copies = self.closure.copies_of(points, self.cut)
+        q = self.closure.moved(points, -copies)
         best = np.full(len(q), np.inf)
         foot = np.zeros((len(q), 2))
         if len(self.lines):
@@ -86,7 +86,7 @@ class Outline:
             rows, at = np.unique(rows[order], return_index=True)
             nearer = gaps[order[at]] < best[rows]
             best[rows[nearer]], foot[rows[nearer]] = gaps[order[at[nearer]]], feet[order[at[nearer]]]
-        away = q - foot
+        away = self.closure.turned(q - foot, copies)
         return best, away / np.maximum(best, 1e-300)[:, None]
 
     def _curved_feet(self, q: Array, best: Array) -> tuple[Array, Array]:

@@ -12,7 +12,8 @@ import math
 import numpy as np
 
 from brep_slicer.curves.loop import Loop
-from brep_slicer.maps import Array
+from brep_slicer.layers import Closure
+from brep_slicer.maps import TURN, Array
 from brep_slicer.region import Piece
 
 from .inset import Inset
@@ -20,10 +21,12 @@ from .scanlines import Stretches
 
 # Within this of 90 degrees the angle is kept and the spacing moves: there a hair's breadth of d would turn lines by degrees.
 UPRIGHT = math.radians(10.0)
+# What lies no farther from a side of the window lies on it, turns: rounding.
+ON_SIDE = 1e-9
 
 
-def closing_lines(period: float, angle: float, step_over: float) -> tuple[float, float, int]:
-    """The nearest angle in (-pi/2, pi/2] and spacing with period * sin(angle) = k * spacing, k whole.
+def closing_lines(length: float, angle: float, step_over: float) -> tuple[float, float, int]:
+    """The nearest angle in (-pi/2, pi/2] and spacing with length * sin(angle) = k * spacing, k whole; `length` mm once round.
 
     Returns the angle, the spacing and k (0 for rings, signed like the angle).
     """
@@ -31,12 +34,12 @@ def closing_lines(period: float, angle: float, step_over: float) -> tuple[float,
     if angle == 0.0:
         return 0.0, step_over, 0
     sin = math.sin(abs(angle))
-    k = round(period * sin / step_over)
+    k = round(length * sin / step_over)
     if k == 0:
         return 0.0, step_over, 0
-    if 0.5 * math.pi - abs(angle) <= UPRIGHT or k * step_over >= period:
-        return angle, period * sin / k, k if angle > 0.0 else -k
-    moved = math.asin(k * step_over / period)
+    if 0.5 * math.pi - abs(angle) <= UPRIGHT or k * step_over >= length:
+        return angle, length * sin / k, k if angle > 0.0 else -k
+    moved = math.asin(k * step_over / length)
     return math.copysign(moved, angle), step_over, k if angle > 0.0 else -k
 
 
@@ -50,23 +53,24 @@ def _folded(angle: float) -> float:
 
 
 def anchor_of(piece: Piece) -> float:
-    """kappa (mm) that turns with a winding piece: where the lowest harmonic of its outline that is not nil points.
+    """The place (turns) that turns with a winding piece: where the lowest harmonic of its outline that is not nil points.
 
     For an outline of rings alone there is none, and 0 (the axis' x_direction) it is.
     """
-    period = piece.outer[0].period
     for harmonic in range(1, 49):
         moment = sum(_harmonic(loop, harmonic) for loop in piece.loops)
-        if abs(moment) > 1e-7 * period * max(1.0, max(abs(x) for x in piece.bounds()[1::2])):
-            return float(np.angle(moment)) / harmonic * piece.radius
+        if abs(moment) > 1e-7 * TURN * max(1.0, max(abs(x) for x in piece.bounds()[1::2])):
+            return float(np.angle(moment)) / harmonic / TURN
     return 0.0
 
 
 def _harmonic(loop: Loop, harmonic: int) -> complex:
-    points = loop.sample(1e-3 * loop.radius)
-    v = 0.5 * (points[:-1, 1] + points[1:, 1])
-    turn = np.exp(1j * harmonic * points[:, 0] / loop.radius)
-    return complex(np.sum(v * np.diff(turn)) / (1j * harmonic)) * loop.radius
+    closure = loop.closure
+    points = loop.sample(1e-3 * closure.length / TURN)
+    heights = closure.heights_of(points)
+    v = 0.5 * (heights[:-1] + heights[1:])
+    turn = np.exp(1j * harmonic * TURN * closure.turns_along(points))
+    return complex(np.sum(v * np.diff(turn)) / (1j * harmonic))
 
 
 def join_across_seam(stretches: Stretches, inset: Inset, k: int) -> list[tuple[Array, bool]]:
@@ -74,12 +78,10 @@ def join_across_seam(stretches: Stretches, inset: Inset, k: int) -> list[tuple[A
 
     Returns (points, closed) pairs in the universal cover; a closed one went all the way round and met itself.
     """
-    window = inset.cut + np.array([0.0, inset.period])
-    span = 1e-9 * inset.period
     starts, ends = stretches.points[:, 0], stretches.points[:, 1]
-    comes_in = np.abs(starts[:, 0] - window[0]) < span
-    goes_out = np.abs(ends[:, 0] - window[1]) < span
-    # leaving at kappa = cut + L on line m is coming in at kappa = cut on the line that lies k spacings higher there
+    comes_in = np.abs(inset.closure.turns_of(starts) - inset.cut) < ON_SIDE
+    goes_out = np.abs(inset.closure.turns_of(ends) - inset.cut - 1.0) < ON_SIDE
+    # leaving a turn on on line m is coming in at the cut on the line that lies k spacings higher there
     entry = {
         (int(m), round(float(v), 6)): i
         for i, (m, v) in enumerate(zip(stretches.line, starts[:, 1], strict=True))
@@ -91,10 +93,10 @@ def join_across_seam(stretches: Stretches, inset: Inset, k: int) -> list[tuple[A
         found = next((entry[m, r] for r in (round(v, 6), round(v + 1e-6, 6), round(v - 1e-6, 6)) if (m, r) in entry), None)
         if found is not None:
             following[i] = found
-    return _chained(stretches, following, inset.period)
+    return _chained(stretches, following, inset.closure)
 
 
-def _chained(stretches: Stretches, following: Array, period: float) -> list[tuple[Array, bool]]:
+def _chained(stretches: Stretches, following: Array, closure: Closure) -> list[tuple[Array, bool]]:
     preceded = np.zeros(len(following), dtype=bool)
     preceded[following[following >= 0]] = True
     done = np.zeros(len(following), dtype=bool)
@@ -105,7 +107,7 @@ def _chained(stretches: Stretches, following: Array, period: float) -> list[tupl
         chain, turns, i = [stretches.points[first, 0]], 0, int(first)
         while True:
             done[i] = True
-            last = stretches.points[i, 1] + np.array([turns * period, 0.0])
+            last = closure.moved(stretches.points[i, 1], turns)
             if following[i] < 0 or done[following[i]]:
                 break
             i, turns = int(following[i]), turns + 1

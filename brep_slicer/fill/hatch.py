@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from brep_slicer.maps import Array
+from brep_slicer.layers import Closure
+from brep_slicer.maps import TURN, Array
 
 from .bead import Bead, BeadKind
 from .distance import Outline, ends_at_inset
@@ -78,14 +79,14 @@ class Hatch(Pattern):
 
     def _round(self, cell: Cell, inset: Inset) -> CellFill:
         """A piece that winds: its lines close on themselves and go on across the seam."""
-        angle, spacing, k = closing_lines(inset.period, self.angle, cell.step_over)
+        angle, spacing, k = closing_lines(inset.closure.length, self.angle, cell.step_over)
         starts, ends = edges_of(inset.polygons)
         extent = _extent(cell, starts, ends, angle)
         if k == 0:
             spacing = _stretched(extent, angle, spacing, self.stretch)
         phase = _phase(cell, extent, angle, spacing, k)
         if self.start is not None and k:
-            phase = float(_lower_edge(cell, inset, cell.piece.radius * self.start) @ directions(angle)[1])
+            phase = float(_lower_edge(cell, inset, self.start / TURN) @ directions(angle)[1])
         phase = _off_the_seam(phase, inset, angle, spacing)
         found = join_across_seam(cut_lines(starts, ends, angle=angle, spacing=spacing, phase=phase), inset, k)
         points, closed = np.array([p for p, _ in found]).reshape(-1, 2, 2), np.array([c for _, c in found], dtype=bool)
@@ -106,7 +107,7 @@ class Hatch(Pattern):
         return tuple(Bead(points=run[i], kind=BeadKind.HATCH, piece=cell.index, closed=closed[i]) for i in order.tolist())
 
 
-def _met_halfway(before: Array, after: Array, along: Array, period: float) -> Array:
+def _met_halfway(before: Array, after: Array, along: Array, closure: Closure) -> Array:
     """Ends that were slid past one another on one line meet in the middle instead: starts first, then as many ends, (2 n, 2).
 
     The polygons are pinched by their slack where the exact inset is not; a line is then cut in two there.
@@ -117,14 +118,13 @@ def _met_halfway(before: Array, after: Array, along: Array, period: float) -> Ar
     if reach == 0.0:
         return after
     # ends in one turn; starts there, too, with their copies beside it
-    low = float(before[:, 0].min())
-    places = before - np.stack([np.floor((before[:, 0] - low) / period) * period, np.zeros(len(before))], axis=-1)
-    copies = np.array([[-period, 0.0], [0.0, 0.0], [period, 0.0]])
-    tree = shapely.STRtree(shapely.points((places[:count] + copies[:, None]).reshape(-1, 2)))
-    end, start = tree.query(shapely.points(places[count:]), predicate="dwithin", distance=reach)
+    places = closure.canonical(before, float(closure.turns_of(before).min()))
+    copies = np.concatenate([closure.moved(places[:count], turns) for turns in closure.beside])
+    end, start = shapely.STRtree(shapely.points(copies)).query(
+        shapely.points(places[count:]), predicate="dwithin", distance=reach
+    )
     end, start = end + count, start % count
-    apart = before[start] - before[end]
-    apart[:, 0] -= np.round(apart[:, 0] / period) * period
+    apart = closure.moved(before[start], closure.nearest_turns(before[start], before[end])) - before[end]
     gap, off = apart @ along, np.abs(apart[:, 0] * along[1] - apart[:, 1] * along[0])
     past = (off < SAME_LINE) & (gap >= 0.0) & (slid[start] + slid[end] > gap)
     most = np.full(len(before), np.inf)
@@ -177,22 +177,23 @@ def _phase(cell: Cell, points: Array, angle: float, spacing: float, k: int) -> f
         return _centred(points, angle, spacing)
     _, across = directions(angle)
     middle = 0.5 * (points[:, 1].min() + points[:, 1].max())
-    return float(np.array([anchor_of(cell.piece), middle]) @ across)
+    return float(cell.piece.closure.at(np.array(anchor_of(cell.piece)), np.array(middle)) @ across)
 
 
 def _off_the_seam(phase: float, inset: Inset, angle: float, spacing: float) -> float:
     """The phase, moved by a millionth of a spacing if an upright line lies on the window's side: rounding might drop it."""
     along, across = directions(angle)
-    place = (inset.cut * across[0] - phase) / spacing
+    place = (float(inset.closure.at(np.array(inset.cut), np.array(0.0)) @ across) - phase) / spacing
     return phase + 1e-6 * spacing if abs(along[0]) < 1e-9 and abs(place - round(place)) < 1e-7 else phase
 
 
-def _lower_edge(cell: Cell, inset: Inset, kappa: float) -> Array:
-    """The lowest point at a place round the shaft that lies at the inset from a band's outline."""
-    place = inset.cut + (kappa - inset.cut) % inset.period
-    _, low, _, high = shapely.total_bounds(list(inset.polygons))
-    up = shapely.LineString([(place, low - 1.0), (place, high + 1.0)])
-    point = np.array([[place, min(p.intersection(up).bounds[1] for p in inset.polygons if p.intersects(up))]])
+def _lower_edge(cell: Cell, inset: Inset, turns: float) -> Array:
+    """The lowest point at a place round the shaft (turns) that lies at the inset from a band's outline."""
+    place = inset.cut + (turns - inset.cut) % 1.0
+    heights = inset.closure.heights_of(shapely.get_coordinates(list(inset.polygons)))
+    ends = np.array([heights.min() - 1.0, heights.max() + 1.0])
+    up = shapely.LineString(inset.closure.at(np.array([place, place]), ends))
+    point = np.array([[up.coords[0][0], min(p.intersection(up).bounds[1] for p in inset.polygons if p.intersects(up))]])
     if cell.inset <= 0.0:
         return point[0]
     outline = Outline([cell.piece], max(cell.inset, cell.chord))
@@ -226,5 +227,5 @@ def _sharp_ends(cells: Sequence[Cell], insets: Sequence[Inset], points: Array, g
     reach = slack * (20.0 + np.where(winds, 2.0 / max(abs(math.sin(angle)), 1e-6), 0.0))
     limit = np.tile(reach[group], 2)
     moved = ends_at_inset(outline, flat, ways, inset=cell.inset, limit=limit)
-    moved = _met_halfway(flat, moved, along, outline.period)
+    moved = _met_halfway(flat, moved, along, outline.closure)
     return np.stack([moved[: len(points)], moved[len(points) :]], axis=1)

@@ -2,7 +2,7 @@
 
 In: a piece of a region and a distance. Out: an Inset, polygons in one chart, erring inwards by a stated amount.
 
-Words: *window*, the one turn of a full band that is drawn, from `cut` to `cut + period`; *slack*, by how much the polygons
+Words: *window*, the one turn of a full band that is drawn, from its `cut` on; *slack*, by how much the polygons
 may lie farther in than asked (chord of the samples and of the round corners together).
 """
 
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from brep_slicer.layers import NO_CLOSURE, Closure
 from brep_slicer.maps import Array
 from brep_slicer.region import Piece, band_between, polygon_from_piece
 
@@ -30,15 +31,15 @@ SAME_HEIGHT = 1e-6
 class Inset:
     """`polygons` inside of a piece by `distance` at least and `distance + slack` at most (mm).
 
-    For a piece that winds, they are drawn in the window from `cut` to `cut + period` and reach both of its sides where the
-    band goes on; `period` is 0 for other pieces.
+    For a piece that winds, they are drawn in the window of one turn from `cut` (turns) on, and reach both of its sides where
+    the band goes on.
     """
 
     polygons: tuple[Polygon, ...]
     distance: float
     slack: float
     cut: float = 0.0
-    period: float = 0.0
+    closure: Closure = NO_CLOSURE
 
     @property
     def is_empty(self) -> bool:
@@ -55,11 +56,9 @@ def inset_piece(piece: Piece, distance: float, *, chord: float) -> Inset:
     if not piece.winds:
         shape = _moved(polygon_from_piece(piece, chord=chord), move)
         return Inset(polygons=_polygons(shape), distance=distance, slack=slack)
-    period = piece.outer[0].period
-    cut = float(piece.outer[0].curves[0].start[0])
     shape = _moved(three_turns(piece, chord), move)
-    window = window_of(piece, shape)
-    return Inset(polygons=_polygons(shape.intersection(window)), distance=distance, slack=slack, cut=cut, period=period)
+    drawn = _polygons(shape.intersection(window_of(piece, shape)))
+    return Inset(polygons=drawn, distance=distance, slack=slack, cut=piece.cut, closure=piece.closure)
 
 
 def three_turns_moved(piece: Piece, distance: float, *, chord: float):
@@ -69,19 +68,16 @@ def three_turns_moved(piece: Piece, distance: float, *, chord: float):
 
 
 def window_of(piece: Piece, shape):
-    """The box of a winding piece's one turn, as high as a geometry."""
+    """The window of a winding piece's one turn, as high as a geometry."""
     import shapely
 
-    cut = float(piece.outer[0].curves[0].start[0])
-    low, high = shape.bounds[1::2] if not shape.is_empty else (0.0, 0.0)
-    return shapely.box(cut, low - 1.0, cut + piece.outer[0].period, high + 1.0)
+    heights = piece.closure.heights_of(shapely.get_coordinates(shape)) if not shape.is_empty else np.zeros(1)
+    return piece.closure.window(piece.cut, piece.cut + 1.0, float(heights.min()) - 1.0, float(heights.max()) + 1.0)
 
 
 def three_turns(piece: Piece, chord: float):
     """A winding piece's polygon from one turn before the window to one turn after it, cut exactly at its ends."""
-    period = piece.outer[0].period
-    cut = float(piece.outer[0].curves[0].start[0])
-    return band_between(piece, cut - period, cut + 2.0 * period, chord=chord)
+    return band_between(piece, piece.cut - 1.0, piece.cut + 2.0, chord=chord)
 
 
 def _moved(polygon, distance: float):

@@ -50,8 +50,7 @@ class Shape:
         """The piece's polygon, of one turn."""
         if not self.piece.winds:
             return self.whole
-        cut = float(self.piece.outer[0].curves[0].start[0])
-        return band_between(self.piece, cut, cut + self.piece.outer[0].period, chord=self.chord)
+        return band_between(self.piece, self.piece.cut, self.piece.cut + 1.0, chord=self.chord)
 
     @cached_property
     def lobes(self) -> tuple[Polygon, ...]:
@@ -66,10 +65,9 @@ class Shape:
         found = [part for part in parts_of(left, "Polygon") if not near.covers(part)]
         if not self.piece.winds:
             return tuple(found)
-        cut, period = float(self.piece.outer[0].curves[0].start[0]), self.piece.outer[0].period
         # a lobe on the seam is drawn on either side of it: its copies differ by rounding only
-        first = cut - SAME_PLACE * period
-        return tuple(part for part in found if first <= part.centroid.x < first + period)
+        closure, first = self.piece.closure, self.piece.cut - SAME_PLACE
+        return tuple(p for p in found if not closure.copies_of(np.array([p.centroid.x, p.centroid.y]), first))
 
     def bare_lobes(self, lines: Sequence[Array]) -> tuple[Polygon, ...]:
         """The lobes most of which beads along `lines` leave bare."""
@@ -77,9 +75,7 @@ class Shape:
 
         if not self.lobes:
             return ()
-        period = self.piece.outer[0].period if self.piece.winds else 0.0
-        shifts = (-period, 0.0, period) if period else (0.0,)
-        tracks = shapely.MultiLineString([line + np.array([s, 0.0]) for line in lines for s in shifts])
+        tracks = shapely.MultiLineString([self.piece.closure.moved(line, k) for line in lines for k in self.piece.beside])
         tracks = tracks.intersection(shapely.MultiPolygon(self.lobes).buffer(self.width))
         laid = tracks.buffer(0.5 * self.width, quad_segs=QUARTER_SEGMENTS)
         return tuple(lobe for lobe in self.lobes if lobe.intersection(laid).area < 0.5 * lobe.area)

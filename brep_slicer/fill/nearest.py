@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from brep_slicer.layers import NO_CLOSURE, Closure
 from brep_slicer.maps import Array, lengths_along
 
 from .bead import Bead
@@ -26,14 +27,13 @@ REACH = 0.75
 
 
 def amounts_by_nearest(
-    ground, beads: Sequence[Bead], *, step_over: float, width: float, period: float = 0.0
+    ground, beads: Sequence[Bead], *, step_over: float, width: float, closure: Closure = NO_CLOSURE
 ) -> tuple[list[Array], list[Array], float]:
-    """(points, amounts) of each bead, and the share of the polygon that they reach; with a `period` across the seam, too."""
+    """(points, amounts) of each bead, and the share of the polygon that they reach; with a `closure` across the seam, too."""
     places, lengths, owner = _stretches(beads, STRETCH * step_over, width)
     cell = max(GRID * step_over, (ground.area / MOST_CELLS) ** 0.5)
     inside, corner = _grid(ground, cell)
-    shifts = (-period, 0.0, period) if period else (0.0,)
-    copies = np.concatenate([places + np.array([s, 0.0]) for s in shifts])
+    copies = np.concatenate([closure.moved(places, turns) for turns in closure.beside])
     nearest = _nearest((copies - corner) / cell, inside, REACH * max(width, step_over) / cell)
     reached = nearest[nearest >= 0] % len(places)
     cells = max(int(inside.sum()), 1)

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from brep_slicer.layers import Closure
 from brep_slicer.maps import Array
 
 from .bead import Bead, BeadKind
@@ -26,8 +27,8 @@ LEAST = 1e-9
 Order = list[tuple[int, bool]]
 
 
-def in_short_order(beads: Sequence[Bead], period: float, *, turned: bool = True) -> tuple[Bead, ...]:
-    """The beads reordered for short travels on a cylinder of circumference `period` (mm); the first bead stays first.
+def in_short_order(beads: Sequence[Bead], closure: Closure, *, turned: bool = True) -> tuple[Bead, ...]:
+    """The beads reordered for short travels on a sheet with this closure; the first bead stays first.
 
     Without `turned`, all beads are run the way they are.
     """
@@ -35,13 +36,13 @@ def in_short_order(beads: Sequence[Bead], period: float, *, turned: bool = True)
         return tuple(beads)
     ends = _ends_of(beads)
     free = np.full(len(beads), turned)
-    order = _greedy(ends, period, free)
+    order = _greedy(ends, closure, free)
     if turned:
-        order = _improved(ends, order, period)
+        order = _improved(ends, order, closure)
     return tuple(beads[i] if not back else beads[i].reversed() for i, back in order)
 
 
-def in_short_order_by_pieces(beads: Sequence[Bead], period: float, *, reach: float, turned: bool = True) -> tuple[Bead, ...]:
+def in_short_order_by_pieces(beads: Sequence[Bead], closure: Closure, *, reach: float, turned: bool = True) -> tuple[Bead, ...]:
     """A layer's beads reordered: piece by piece, in each one kind after the other as its pattern has them.
 
     Beads that follow one another within `reach` (mm) in the pattern's own order stay together, as the lines of a hatch do. A
@@ -57,21 +58,21 @@ def in_short_order_by_pieces(beads: Sequence[Bead], period: float, *, reach: flo
     for kinds in stages.values():
         chain: list[Bead] = []
         for mine in kinds.values():
-            chain += _of_one_kind(mine, chain[-1] if chain else None, period, reach, turned)
+            chain += _of_one_kind(mine, chain[-1] if chain else None, closure, reach, turned)
         chains.append(chain)
         free.append(turned and len(kinds) == 1)
     ends = np.array([[chain[0].points[0], chain[-1].points[-1]] for chain in chains])
-    order = _greedy(ends, period, np.array(free))
+    order = _greedy(ends, closure, np.array(free))
     if all(free) and len(order) <= MOST_IMPROVED:
-        order = _improved(ends, order, period)
+        order = _improved(ends, order, closure)
     return tuple(b for i, back in order for b in (_backwards(chains[i]) if back else chains[i]))
 
 
-def _of_one_kind(beads: list[Bead], before: Bead | None, period: float, reach: float, turned: bool) -> list[Bead]:
+def _of_one_kind(beads: list[Bead], before: Bead | None, closure: Closure, reach: float, turned: bool) -> list[Bead]:
     """Beads of one kind in one piece, from the end of the bead `before` on."""
     ends = _ends_of(beads)
     # where the next bead starts beside this one's end, as in a hatch both ways, the two are one
-    near = _far(ends[:-1, 1], ends[1:, 0], period) <= reach
+    near = closure.distances(ends[:-1, 1], ends[1:, 0]) <= reach
     runs = np.split(np.arange(len(beads)), np.flatnonzero(~near) + 1)
     if len(runs) == 1 and before is None:
         return beads
@@ -79,9 +80,9 @@ def _of_one_kind(beads: list[Bead], before: Bead | None, period: float, reach: f
     if before is not None:
         # the bead before stands first, as a run of no length
         outer = np.concatenate([np.tile(before.points[-1], (1, 2, 1)), outer])
-    order = _greedy(outer, period, np.full(len(outer), turned))
+    order = _greedy(outer, closure, np.full(len(outer), turned))
     if turned and 2 < len(order) <= MOST_IMPROVED:
-        order = _improved(outer, order, period)
+        order = _improved(outer, order, closure)
     skip = 0 if before is None else 1
     out: list[Bead] = []
     for i, back in order[skip:]:
@@ -98,25 +99,19 @@ def _ends_of(beads: Sequence[Bead]) -> Array:
     return np.array([[bead.points[0], bead.points[-1]] for bead in beads])
 
 
-def _improved(ends: Array, order: Order, period: float) -> Order:
+def _improved(ends: Array, order: Order, closure: Closure) -> Order:
     """2-opt and or-opt until nothing gets shorter."""
     while True:
-        before = travel_of(ends, order, period)
-        order = _moved(ends, _two_opt(ends, order, period), period)
-        if travel_of(ends, order, period) > before - LEAST:
+        before = travel_of(ends, order, closure)
+        order = _moved(ends, _two_opt(ends, order, closure), closure)
+        if travel_of(ends, order, closure) > before - LEAST:
             return order
 
 
-def travel_of(ends: Array, order: Order, period: float) -> float:
+def travel_of(ends: Array, order: Order, closure: Closure) -> float:
     """Length of all travels between beads with the `ends` (n, 2, 2) in an order, mm."""
     starts, stops = _run(ends, order)
-    return float(_far(stops[:-1], starts[1:], period).sum())
-
-
-def _far(a: Array, b: Array, period: float) -> Array:
-    d = b - a
-    across = np.mod(d[..., 0], period)
-    return np.hypot(np.minimum(across, period - across), d[..., 1])
+    return float(closure.distances(stops[:-1], starts[1:]).sum())
 
 
 def _run(ends: Array, order: Order) -> tuple[Array, Array]:
@@ -124,7 +119,7 @@ def _run(ends: Array, order: Order) -> tuple[Array, Array]:
     return ends[index, back], ends[index, 1 - back]
 
 
-def _greedy(ends: Array, period: float, free: Array) -> Order:
+def _greedy(ends: Array, closure: Closure, free: Array) -> Order:
     """The nearest one next, from the first on; those that are not `free` (n,) run forwards only."""
     left = np.ones(len(ends), dtype=bool)
     left[0] = False
@@ -132,7 +127,7 @@ def _greedy(ends: Array, period: float, free: Array) -> Order:
     barred = np.where(free, 0.0, np.inf)
     for _ in range(len(ends) - 1):
         rows = np.flatnonzero(left)
-        gaps = _far(here, ends[rows], period)
+        gaps = closure.distances(here, ends[rows])
         gaps[:, 1] += barred[rows]
         k, side = np.unravel_index(int(gaps.argmin()), gaps.shape)
         chosen = int(rows[k])
@@ -142,16 +137,16 @@ def _greedy(ends: Array, period: float, free: Array) -> Order:
     return order
 
 
-def _two_opt(ends: Array, order: Order, period: float) -> Order:
+def _two_opt(ends: Array, order: Order, closure: Closure) -> Order:
     """Reverse the stretch that gains most, until none gains anything; all pairs of cuts at once."""
     while True:
         starts, stops = _run(ends, order)
         n = len(order)
         # reversing order[i + 1 .. j] joins stop i with stop j and start i + 1 with start j + 1 (nothing follows the last one)
-        kept = np.append(_far(stops[:-1], starts[1:], period), 0.0)
-        head = _far(stops[:, None], stops[None, :], period)
+        kept = np.append(closure.distances(stops[:-1], starts[1:]), 0.0)
+        head = closure.distances(stops[:, None], stops[None, :])
         tail = np.zeros((n, n))
-        tail[:-1, :-1] = _far(starts[1:, None], starts[None, 1:], period)
+        tail[:-1, :-1] = closure.distances(starts[1:, None], starts[None, 1:])
         gain = kept[:, None] + kept[None, :] - head - tail
         gain[np.tril_indices(n)] = -np.inf
         i, j = np.unravel_index(int(gain.argmax()), gain.shape)
@@ -161,24 +156,24 @@ def _two_opt(ends: Array, order: Order, period: float) -> Order:
         order = [*order[: i + 1], *middle, *order[j + 1 :]]
 
 
-def _moved(ends: Array, order: Order, period: float) -> Order:
+def _moved(ends: Array, order: Order, closure: Closure) -> Order:
     """Short stretches moved to where they cost less, either way round (or-opt)."""
     for length in range(1, LONGEST_MOVE + 1):
         for begin in range(1, len(order) - length + 1):
-            order = _best_place(ends, order, begin, length, period)
+            order = _best_place(ends, order, begin, length, closure)
     return order
 
 
-def _best_place(ends: Array, order: Order, begin: int, length: int, period: float) -> Order:
+def _best_place(ends: Array, order: Order, begin: int, length: int, closure: Closure) -> Order:
     part, rest = order[begin : begin + length], order[:begin] + order[begin + length :]
     starts, stops = _run(ends, rest)
-    following = np.append(_far(stops[:-1], starts[1:], period), 0.0)
-    now, out = travel_of(ends, order, period), order
+    following = np.append(closure.distances(stops[:-1], starts[1:]), 0.0)
+    now, out = travel_of(ends, order, closure), order
     for turned in (part, [(k, not back) for k, back in part[::-1]]):
         a, b = _run(ends, turned)
-        own = float(_far(b[:-1], a[1:], period).sum())
-        after = np.append(_far(b[-1], starts[1:], period), 0.0)
-        cost = float(following.sum()) + own + _far(stops, a[0], period) + after - following
+        own = float(closure.distances(b[:-1], a[1:]).sum())
+        after = np.append(closure.distances(b[-1], starts[1:]), 0.0)
+        cost = float(following.sum()) + own + closure.distances(stops, a[0]) + after - following
         k = int(cost.argmin())
         if cost[k] < now - LEAST:
             now, out = float(cost[k]), [*rest[: k + 1], *turned, *rest[k + 1 :]]

@@ -107,13 +107,14 @@ def _copies(cell: Cell, shape) -> list[Array]:
     """The beads that were laid; on a full turn with all their copies, whole turns away, that reach the shape."""
     if not cell.piece.winds:
         return [bead.points for bead in cell.laid]
-    period, (low, _, high, _) = cell.piece.outer[0].period, shape.bounds
-    out = []
+    import shapely
+
+    closure, out = cell.piece.closure, []
+    low, high = closure.span_of(shapely.box(*shape.bounds).buffer(cell.width).bounds)
     for bead in cell.laid:
-        kappa = bead.points[:, 0]
-        first = math.ceil((low - cell.width - float(kappa.max())) / period)
-        last = math.floor((high + cell.width - float(kappa.min())) / period)
-        out += [bead.points + np.array([k * period, 0.0]) for k in range(first, last + 1)]
+        turns = closure.turns_along(bead.points)
+        first, last = math.ceil(low - float(turns.max())), math.floor(high - float(turns.min()))
+        out += [closure.moved(bead.points, k) for k in range(first, last + 1)]
     return out
 
 

@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from brep_slicer.layers import NO_CLOSURE, Closure
 from brep_slicer.maps import Array
 
 from .bead import Bead
@@ -24,16 +25,15 @@ EVERY = 0.25
 
 
 def with_speed_by_spacing(
-    beads: Sequence[Bead], *, step_over: float, limits: tuple[float, float], period: float = 0.0
+    beads: Sequence[Bead], *, step_over: float, limits: tuple[float, float], closure: Closure = NO_CLOSURE
 ) -> tuple[Bead, ...]:
     """Give each bead factors on its speed, d / spacing within `limits`, at points no farther apart than a quarter of d.
 
-    With a `period` (mm), beads a turn away are neighbours too.
+    With a `closure`, beads a turn away are neighbours too.
     """
     dense = [_divided(bead, EVERY * step_over) for bead in beads]
-    shifts = (-period, 0.0, period) if period else (0.0,)
-    starts = np.concatenate([b.points[:-1] + np.array([s, 0.0]) for s in shifts for b in dense])
-    ends = np.concatenate([b.points[1:] + np.array([s, 0.0]) for s in shifts for b in dense])
+    starts = np.concatenate([closure.moved(b.points[:-1], k) for k in closure.beside for b in dense])
+    ends = np.concatenate([closure.moved(b.points[1:], k) for k in closure.beside for b in dense])
     out = []
     for bead in dense:
         spacing = _spacing(bead.points, starts, ends, step_over)

@@ -4,8 +4,8 @@
 to kappa by hand.
 """
 
-from .closure import Closure, Motion
-from .family import Cones, Cylinders, LayerFamily, Planes
+from .closure import NO_CLOSURE, Closure, Motion
+from .family import CYLINDERS, Cones, Cylinders, LayerFamily, Planes, cylinder
 from .sheet import Sheet
 
-__all__ = ["Closure", "Cones", "Cylinders", "LayerFamily", "Motion", "Planes", "Sheet"]
+__all__ = ["CYLINDERS", "NO_CLOSURE", "Closure", "Cones", "Cylinders", "LayerFamily", "Motion", "Planes", "Sheet", "cylinder"]

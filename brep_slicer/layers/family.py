@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import abc
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 
 from brep_slicer.maps import TURN, Array
 
-from .closure import Closure
+from .closure import NO_CLOSURE, Closure
 from .sheet import Sheet, space_of_revolution
 
 # A cone flatter or steeper than this is none: |alpha| = 90 degrees is a plane, said so (rad).
@@ -57,6 +57,20 @@ class LayerFamily(abc.ABC):
     @abc.abstractmethod
     def normals_from_flat(self, points: Array, level: float) -> Array:
         """See `Sheet.normals_from_flat`."""
+
+    def label(self, level: float) -> str:
+        """A level in words."""
+        return f"level {level:.6g} mm"
+
+    def radius(self, level: float) -> float:
+        """The radius of a level's sheet where that is a cylinder, mm.
+
+        Raises
+        ------
+        TypeError
+            If it is none.
+        """
+        raise TypeError(f"layers that are {self.name} have no radius: ask for their level")
 
     def sheet(self, level: float) -> Sheet:
         """The sheet at a level (mm)."""
@@ -120,7 +134,24 @@ class Cylinders(Cones):
 
     name: ClassVar[str] = "cylinders"
 
-    half_angle: float = 0.0
+    half_angle: float = field(default=0.0, init=False)
+
+    def __repr__(self) -> str:
+        return "Cylinders()"
+
+    def label(self, level: float) -> str:
+        return f"R {level:.6g} mm"
+
+    def radius(self, level: float) -> float:
+        return level
+
+
+CYLINDERS = Cylinders()
+
+
+def cylinder(radius: float) -> Sheet:
+    """The sheet of the coaxial cylinder of a radius (mm)."""
+    return CYLINDERS.sheet(radius)
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,7 +190,7 @@ class Planes(LayerFamily):
         return q
 
     def closure(self, level: float) -> Closure:
-        return Closure(math.inf)
+        return NO_CLOSURE
 
     def space_from_flat(self, points: Array, level: float) -> Array:
         kappa, v, n = self.frame()

@@ -9,7 +9,7 @@ coordinates of the plane, mm: v runs along the generator at theta = 0, kappa awa
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,14 +33,29 @@ class Sheet:
 
     family: LayerFamily
     level: float
+    closure: Closure = field(init=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "closure", self.family.closure(self.level))
 
     def __repr__(self) -> str:
-        return f"Sheet({self.family.name}, level {self.level:.6g} mm)"
+        return f"Sheet({self.family.name}: {self.label})"
 
     @property
-    def closure(self) -> Closure:
-        """The motion that takes the chart's one side to the other."""
-        return self.family.closure(self.level)
+    def label(self) -> str:
+        """Which one of its family, in words."""
+        return self.family.label(self.level)
+
+    @property
+    def radius(self) -> float:
+        """The level of a cylinder: its radius, mm.
+
+        Raises
+        ------
+        TypeError
+            If the sheet is none.
+        """
+        return self.family.radius(self.level)
 
     def space_from_flat(self, points: ArrayLike) -> Array:
         """Points (..., 3) of the axis frame at (kappa, v), shape (..., 2)."""
@@ -49,6 +64,12 @@ class Sheet:
     def flat_from_space(self, points: ArrayLike) -> Array:
         """(kappa, v), shape (..., 2), of points (..., 3) of the sheet: of the copy with theta in (-pi, pi]."""
         return self.family.flat_from_space(check_points(points, columns=3, name="points"), self.level)
+
+    def flat_along(self, points: ArrayLike) -> Array:
+        """(kappa, v), shape (n, 2), of a way's points (n, 3), followed from the first: continuous over the seam."""
+        flat = self.flat_from_space(points)
+        turns = self.closure.turns_of(flat)
+        return self.closure.moved(flat, np.concatenate([[0.0], -np.cumsum(np.round(np.diff(turns)))]))
 
     def normals_from_flat(self, points: ArrayLike) -> Array:
         """Outward unit normals (the value's gradient) at (kappa, v), shape (..., 3)."""

@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 from brep_slicer.errors import InputError, LayerError, PlanningError
+from brep_slicer.layers import cylinder
 from brep_slicer.notices import Notice, NoticeKind, grouped
 from brep_slicer.part import Part, as_part
 from brep_slicer.process import Process, choice, layer_range
@@ -170,7 +171,7 @@ def _cut(
             layer = _without_zones(layer, substrate)
         if isinstance(layer, Layer):
             # cut elsewhere in its thickness: theta kept, kappa rescaled to the surface that is deposited on
-            layer = replace(layer, region=layer.region.on_radius(radius))
+            layer = replace(layer, region=layer.region.on_sheet(cylinder(radius)))
         out.append(layer)
     return tuple(out)
 

@@ -7,6 +7,7 @@ Words: *track*, a part of a bead that does not come back beside itself: a spiral
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -35,18 +36,19 @@ def drawn(region: Region, beads: Sequence[Bead], *, reach: float, chord: float =
     import shapely
 
     shape = shapely.union_all([p if p.is_valid else p.buffer(0.0) for p in region.to_shapely(chord=chord).geoms])
-    k0, v0, k1, v1 = shape.bounds if not shape.is_empty else (0.0, 0.0, 0.0, 0.0)
+    box = shape.bounds if not shape.is_empty else (0.0, 0.0, 0.0, 0.0)
+    around = shapely.box(*box).buffer(reach).bounds
+    closure = region.closure
+    low, high = closure.span_of(around)
     tracks: list[Track] = []
     for number, bead in enumerate(beads):
         for points, speed, ends in _parts(bead):
-            if points[:, 1].max() < v0 - reach or points[:, 1].min() > v1 + reach:
-                continue
-            low, high = points[:, 0].min(), points[:, 0].max()
-            first = int(np.ceil((k0 - reach - high) / region.period))
-            last = int(np.floor((k1 + reach - low) / region.period))
-            for k in range(first, last + 1):
-                moved = points + np.array([k * region.period, 0.0])
-                tracks.append(Track(bead=number, points=moved, speed=speed, ends=ends))
+            turns = closure.turns_along(points)
+            for k in range(math.ceil(low - float(turns.max())), math.floor(high - float(turns.min())) + 1):
+                moved = closure.moved(points, k)
+                (x0, y0), (x1, y1) = moved.min(axis=0), moved.max(axis=0)
+                if x0 <= around[2] and x1 >= around[0] and y0 <= around[3] and y1 >= around[1]:
+                    tracks.append(Track(bead=number, points=moved, speed=speed, ends=ends))
     return shape, tracks
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from brep_slicer.fill import Bead
+from brep_slicer.layers import Closure
 from brep_slicer.maps import Array
 from brep_slicer.region import Region
 
@@ -61,7 +62,7 @@ def coverage_of(region: Region, beads: Sequence[Bead], width: float) -> Coverage
     first, second = pairs.reshape(-1, 2).astype(int).T
     twice = shapely.intersection(strips[first], strips[second])
     bare, more = shape.difference(once).area, shape.intersection(shapely.union_all(twice)).area
-    outside = _beyond(once, shape, region.period, 0.0 if any(p.winds for p in region.pieces) else width)
+    outside = _beyond(once, shape, region.closure, 0.0 if any(p.winds for p in region.pieces) else width)
     return Coverage(area=shape.area, bare=bare, once=shape.area - bare - more, more=more, outside=outside)
 
 
@@ -94,17 +95,17 @@ def _joined(first: Track, second: Track) -> bool:
     return any(float(np.abs(gap).max()) < 1e-6 for gap in gaps)
 
 
-def _beyond(once, shape, period: float, reach: float) -> float:
+def _beyond(once, shape, closure: Closure, reach: float) -> float:
     """What is covered outside of the region, once round from `reach` (mm) to the left of it.
 
     A piece over the seam is drawn on one side of it, its beads on both.
     """
     import shapely
-    from shapely.affinity import translate
 
-    left, _, right, _ = shape.bounds
-    _, v0, _, v1 = once.bounds
-    start = left - reach
-    around = [translate(shape, turn * period) for turn in range(-1, 1 + int((right - left) // period) + 1)]
-    window = shapely.box(start, v0, start + period, v1)
+    if closure.is_open:
+        return float(once.difference(shape).area)
+    start, _ = closure.span_of(shapely.box(*shape.bounds).buffer(reach).bounds)
+    around = [closure.motion(turns).shape(shape) for turns in closure.copies_between(shape.bounds, start, start + 1.0)]
+    heights = closure.heights_of(shapely.get_coordinates(once))
+    window = closure.window(start, start + 1.0, float(heights.min()), float(heights.max()))
     return float(once.intersection(window).difference(shapely.union_all(around)).area)

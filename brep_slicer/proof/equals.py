@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from brep_slicer.fill import Bead, LayerFill
+from brep_slicer.layers import Closure
 from brep_slicer.maps import Array
 from brep_slicer.region import Piece, Region, polygon_from_piece
 
@@ -114,17 +115,16 @@ def _alone(region: Region, fill: LayerFill, width: float) -> bool:
     if not len(open_pieces):
         return True
     shapes = np.array([polygon_from_piece(region.pieces[i], chord=CHORD) for i in open_pieces])
-    middles = np.zeros(len(winds))
-    middles[open_pieces] = shapely.bounds(shapes)[:, [0, 2]].mean(axis=1)
+    closure, middles = region.closure, np.zeros(len(winds))
+    boxes = shapely.bounds(shapes)
+    middles[open_pieces] = closure.turns_of(0.5 * (boxes[:, :2] + boxes[:, 2:]))
     own = np.flatnonzero(~winds[piece])
-    lines = np.array([shapely.LineString(_moved(fill.beads[i], middles, region.period)) for i in own])
-    left, _, right, _ = shapely.bounds(np.concatenate([shapes, lines])).T
-    if (right - left).max() > region.period:
+    lines = np.array([shapely.LineString(_moved(fill.beads[i], middles, closure)) for i in own])
+    if max(np.ptp(closure.turns_along(shapely.get_coordinates(shape))) for shape in (*shapes, *lines)) > 1.0:
         return False
     piece = piece[own]
-    moves = np.array([-region.period, 0.0, region.period])
-    moved = np.concatenate([shapely.transform(lines, lambda points, by=by: points + np.array([by, 0.0])) for by in moves])
-    owner = np.tile(piece, 3)
+    moved = np.concatenate([shapely.transform(lines, lambda points, k=k: closure.moved(points, k)) for k in closure.beside])
+    owner = np.tile(piece, len(closure.beside))
     for others, of, reach in ((shapes, open_pieces, 0.5 * width + CHORD), (lines, piece, width + CHORD)):
         near, met = shapely.STRtree(others).query(moved, predicate="dwithin", distance=reach)
         if (owner[near] != of[met]).any():
@@ -144,8 +144,7 @@ def _apart_in_height(region: Region, fill: LayerFill, winds: NDArray[np.bool_], 
     return not near[winds].any()
 
 
-def _moved(bead: Bead, middles: Array, period: float) -> Array:
-    """A bead's points whole turns away, beside the middle of the piece that it lies in."""
-    at = 0.5 * (bead.points[:, 0].min() + bead.points[:, 0].max())
-    moved: Array = bead.points - np.array([period * np.round((at - middles[bead.piece]) / period), 0.0])
-    return moved
+def _moved(bead: Bead, middles: Array, closure: Closure) -> Array:
+    """A bead's points whole turns away, beside the middle (turns) of the piece that it lies in."""
+    turns = closure.turns_along(bead.points)
+    return closure.moved(bead.points, -np.round(0.5 * (turns.min() + turns.max()) - middles[bead.piece]))

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from brep_slicer.maps import TURN, Array, lengths_along
+from brep_slicer.layers import CYLINDERS, Closure, cylinder
+from brep_slicer.maps import Array, lengths_along
 from brep_slicer.substrate.axis import Axis
 from brep_slicer.toolpath import Toolpath
 
@@ -54,45 +55,39 @@ def step_over_of(toolpath: Toolpath, axis: Axis, layer: int, *, within: float | 
     cuts = np.flatnonzero(np.diff(of)) + 1
     # a single point is no bead
     runs = [(int(run[0]), part) for run, part in zip(np.split(of, cuts), np.split(points, cuts), strict=True) if len(run) > 1]
-    beads = [_unrolled(part) for _, part in runs]
-    if not beads:
+    if not runs:
         return StepOver(spacings=np.zeros(0), between=np.zeros((0, 2), dtype=np.int64))
-    period = TURN * beads[0][1]
+    # judged by where the points are, not by what they were meant to be
+    sheet = cylinder(float(CYLINDERS.value(runs[0][1]).mean()))
+    beads = [sheet.flat_along(part) for _, part in runs]
     numbers = np.array([number for number, _ in runs])
-    places = np.concatenate([_places_along(points) for points, _ in beads])
+    places = np.concatenate([_places_along(points) for points in beads])
     number = np.repeat(numbers, len(SAMPLES))
     reach = np.inf if within is None else within
-    a, b, owner = _copies([points for points, _ in beads], period, places, reach)
+    a, b, owner = _copies(beads, sheet.closure, places, reach)
     gaps, nearest = _gaps(places, number, a, b, numbers[owner], within)
     met = np.isfinite(gaps) & (gaps < reach)
     return StepOver(spacings=gaps[met], between=np.stack([number, nearest], axis=1)[met].astype(np.int64))
 
 
-def _copies(beads: list[Array], period: float, places: Array, reach: float) -> tuple[Array, Array, Array]:
+def _copies(beads: list[Array], closure: Closure, places: Array, reach: float) -> tuple[Array, Array, Array]:
     """From, to (n, 2) and bead (n,) of every segment and its copies whole turns away that come near any of the places."""
     a = np.concatenate([points[:-1] for points in beads])
     b = np.concatenate([points[1:] for points in beads])
     of = np.repeat(np.arange(len(beads)), [len(points) - 1 for points in beads])
-    most = max(_turns(points, period) for points in beads)
-    own = np.array([_turns(points, period) for points in beads])[of]
-    low, high = places[:, 0].min() - reach, places[:, 0].max() + reach
+    own = np.array([_turns(points, closure) for points in beads])[of]
+    low, high = places.min(axis=0) - reach, places.max(axis=0) + reach
     parts = []
-    for turn in range(-most, most + 1):
-        move = np.array([turn * period, 0.0])
-        near = (np.maximum(a, b)[:, 0] + move[0] >= low) & (np.minimum(a, b)[:, 0] + move[0] <= high) & (abs(turn) <= own)
-        parts.append((a[near] + move, b[near] + move, of[near]))
+    for turns in range(-own.max(), own.max() + 1):
+        starts, ends = closure.moved(a, turns), closure.moved(b, turns)
+        near = ((np.maximum(starts, ends) >= low) & (np.minimum(starts, ends) <= high)).all(axis=1) & (abs(turns) <= own)
+        parts.append((starts[near], ends[near], of[near]))
     starts, ends, owners = (np.concatenate(columns) for columns in zip(*parts, strict=True))
     return starts, ends, owners
 
 
-def _turns(points: Array, period: float) -> int:
-    return 1 + int(np.ceil(np.abs(points[:, 0]).max() / period))
-
-
-def _unrolled(points: Array) -> tuple[Array, float]:
-    radius = float(np.hypot(points[:, 0], points[:, 1]).mean()) if len(points) else 1.0
-    theta = np.unwrap(np.arctan2(points[:, 1], points[:, 0]))
-    return np.stack([radius * theta, points[:, 2]], axis=1), radius
+def _turns(points: Array, closure: Closure) -> int:
+    return 0 if closure.is_open else 1 + int(np.ceil(np.abs(closure.turns_along(points)).max()))
 
 
 def _places_along(points: Array) -> Array:

@@ -4,7 +4,7 @@ In: the loops of every solid's section. Out: regions (nested pieces with exact a
 """
 
 from .allowance import grown_region, slice_with_allowance
-from .chart import band_between, lifts_between, polygon_from_piece
+from .chart import band_between, copies_between, polygon_from_piece
 from .features import features_of, overlapping_pieces
 from .layer import FailedLayer, Layer
 from .overhang import DrawnRegion, Overhang, drawn_region, overhang_of
@@ -30,7 +30,7 @@ __all__ = [
     "difference_of_regions",
     "features_of",
     "grown_region",
-    "lifts_between",
+    "copies_between",
     "outside_of_zones",
     "overlapping_area",
     "polygon_from_piece",

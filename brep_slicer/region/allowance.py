@@ -21,7 +21,8 @@ import numpy as np
 
 from brep_slicer.curves import LineCurve, Loop
 from brep_slicer.errors import LayerError
-from brep_slicer.maps import TURN, Array
+from brep_slicer.layers import Sheet, cylinder
+from brep_slicer.maps import Array
 from brep_slicer.section import CutSolid, Engine
 
 from .chart import polygon_from_piece
@@ -97,7 +98,9 @@ def _grown_layer(
     if not failed:
         try:
             parts = [(layer.region, math.sqrt(max(reach**2 - (layer.radius - radius) ** 2, 0.0))) for layer in whole]
-            region = grown_region(radius, parts, chord=chord, standing=ground.region if isinstance(ground, Layer) else None)
+            region = grown_region(
+                cylinder(radius), parts, chord=chord, standing=ground.region if isinstance(ground, Layer) else None
+            )
             nearest = min(whole, key=lambda layer: abs(layer.radius - radius))
             checks: dict[str, bool | float | str] = {
                 "grown_from_sections": len(whole),
@@ -115,11 +118,11 @@ def _grown_layer(
 
 
 def grown_region(
-    radius: float, parts: Sequence[tuple[Region, float]], *, chord: float, standing: Region | None = None
+    sheet: Sheet, parts: Sequence[tuple[Region, float]], *, chord: float, standing: Region | None = None
 ) -> Region:
     """The union of regions, each grown by its distance (mm) at least and a chord more at most, without what stands already.
 
-    The regions may be drawn on other cylinders; kappa is scaled to `radius`.
+    The regions may be drawn on other cylinders; kappa is scaled to that of `sheet`.
 
     Raises
     ------
@@ -133,33 +136,31 @@ def grown_region(
     for region, distance in parts:
         grown = distance + 3.0 * share
         corners = max(8, math.ceil(0.25 * math.pi / math.acos(1.0 - min(share / grown, 0.5))))
-        flat = shapely.union_all(_copies(region.on_radius(radius), share, grown))
+        flat = shapely.union_all(_copies(region.on_sheet(sheet), share, grown))
         shapes.append(flat.buffer(grown, quad_segs=corners))
     whole = shapely.union_all(shapes)
     if standing is not None and not standing.is_empty:
         # a hair more than it is, or slivers would be left along it
         whole = whole.difference(shapely.union_all(_copies(standing, share, 0.0)).buffer(2.0 * share))
-    return _region_of(whole, radius, share)
+    return _region_of(whole, sheet, share)
 
 
 def _copies(region: Region, chord: float, margin: float) -> list[Geometry]:
     """The region's polygons over the middle turn and half a turn on either side of it."""
-    import shapely.affinity
+    import shapely
 
-    period, out = region.period, []
+    closure, out = region.closure, []
     for piece in region.pieces:
-        polygon = polygon_from_piece(piece, chord=chord, seam=-0.5 * period).buffer(0.0)
-        low, _, high, _ = polygon.bounds
-        turns = range(math.ceil((-period - margin - high) / period), math.floor((period + margin - low) / period) + 1)
-        out += [shapely.affinity.translate(polygon, k * period) for k in turns]
+        polygon = polygon_from_piece(piece, chord=chord).buffer(0.0)
+        reach = shapely.box(*polygon.bounds).buffer(margin).bounds
+        out += [closure.motion(k).shape(polygon) for k in closure.copies_between(reach, -1.0, 1.0)]
     return out
 
 
-def _region_of(shape: Geometry, radius: float, thin: float) -> Region:
+def _region_of(shape: Geometry, sheet: Sheet, thin: float) -> Region:
     """A region of what is drawn on the middle turn and on half a turn beside it."""
-    period = TURN * radius
     loops = []
-    for points, winding in stitched_outlines(shape, first=-period, period=period, thin=thin, spot=thin**2):
+    for points, winding in stitched_outlines(shape, sheet.closure, first=-1.0, thin=thin, spot=thin**2):
         lines = tuple(LineCurve(p0=p, p1=q) for p, q in itertools.pairwise(points))
-        loops.append(Loop(curves=lines, radius=radius, winding=winding))
-    return region_from_loops(radius, loops)
+        loops.append(Loop(curves=lines, sheet=sheet, winding=winding))
+    return region_from_loops(sheet, loops)

@@ -34,7 +34,7 @@ def contacts(curve: Curve, outline: Outline, marks: Array, touch: float, chord: 
 
     The outline is drawn to within `chord` mm of its curves.
     """
-    s = np.union1d(spaced_parameters(curve, FIRST_CHORD * touch, outline.period), np.clip(marks, 0.0, 1.0))
+    s = np.union1d(spaced_parameters(curve, FIRST_CHORD * touch, outline.reach), np.clip(marks, 0.0, 1.0))
     a, b = s[:-1], s[1:]
     near: list[Array] = []
     for level in range(MAXIMUM_HALVINGS):

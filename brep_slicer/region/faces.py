@@ -11,6 +11,7 @@ import numpy as np
 
 from brep_slicer.curves import LineCurve, Loop
 from brep_slicer.errors import LayerError
+from brep_slicer.layers import Sheet
 from brep_slicer.substrate.axis import Axis
 
 from .overlay import difference_of_regions
@@ -37,7 +38,7 @@ def shape_of_region(region: Region, axis: Axis | None) -> Any:
     pieces = [part for piece in region.pieces for part in (_halves(piece) if piece.winds else [piece])]
     for piece in pieces:
         k0, _, k1, _ = piece.bounds()
-        if k1 - k0 > region.period:
+        if k1 - k0 > region.closure.length:
             raise LayerError(f"a piece at radius {region.radius:g} mm goes round more than once: OCCT has no face for that")
     faces = [face_on_cylinder(region.radius, piece.outer[0], piece.holes) for piece in pieces]
     shape = faces[0] if len(faces) == 1 else compound(faces)
@@ -46,17 +47,17 @@ def shape_of_region(region: Region, axis: Axis | None) -> Any:
 
 def _halves(piece: Piece) -> list[Piece]:
     """A full band in two parts that do not wind."""
-    radius, period = piece.radius, piece.outer[0].period
-    band = Region(radius=radius, pieces=(piece,))
+    band = Region(sheet=piece.sheet, pieces=(piece,))
     _, low, _, high = piece.bounds()
     out: list[Piece] = []
     for k in (0.0, 0.5):
-        other = _rectangle(radius, (CUT_AT + k) * period, (CUT_AT + k + 0.5) * period, low - 1.0, high + 1.0)
-        out += difference_of_regions(band, other).pieces
+        out += difference_of_regions(band, _window(piece.sheet, CUT_AT + k, low - 1.0, high + 1.0)).pieces
     return out
 
 
-def _rectangle(radius: float, k0: float, k1: float, v0: float, v1: float) -> Region:
-    corners = [(k0, v0), (k1, v0), (k1, v1), (k0, v1)]
-    lines = tuple(LineCurve.between(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True))
-    return region_from_loops(radius, [Loop(curves=lines, radius=radius)])
+def _window(sheet: Sheet, start: float, low: float, high: float) -> Region:
+    """Half a turn from `start` (turns) between two heights."""
+    turns = start + np.array([0.0, 0.5, 0.5, 0.0])
+    corners = sheet.closure.at(turns, np.array([low, low, high, high]))
+    lines = tuple(LineCurve(p0=corners[i], p1=corners[(i + 1) % 4]) for i in range(4))
+    return region_from_loops(sheet, [Loop(curves=lines, sheet=sheet)])

@@ -36,16 +36,16 @@ def features_of(regions: Sequence[Region]) -> list[list[int]]:
 
 
 def overlapping_pieces(first: Region, second: Region) -> list[tuple[int, int]]:
-    """Numbers of pieces of two regions that overlap when drawn on the same cylinder."""
-    import shapely.affinity
+    """Numbers of pieces of two regions that overlap when drawn on the same sheet."""
+    import shapely
 
     if first.is_empty or second.is_empty:
         return []
     ours = [polygon_from_piece(piece, chord=CHORD) for piece in first.pieces]
-    theirs = [polygon_from_piece(piece, chord=CHORD) for piece in second.on_radius(first.radius).pieces]
+    theirs = [polygon_from_piece(piece, chord=CHORD) for piece in second.on_sheet(first.sheet).pieces]
     tree = shapely.STRtree(theirs)
     found: set[tuple[int, int]] = set()
-    for turn in (-1, 0, 1):
-        moved = [shapely.affinity.translate(p, turn * first.period) for p in ours]
+    for turns in first.closure.beside:
+        moved = [first.closure.motion(turns).shape(polygon) for polygon in ours]
         found |= {(int(j), int(k)) for j, k in np.transpose(tree.query(moved, predicate="intersects"))}
     return sorted(found)

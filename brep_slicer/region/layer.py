@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from brep_slicer.layers import cylinder
 from brep_slicer.section import Certificate
 from brep_slicer.substrate.axis import Axis
 from brep_slicer.wording import counted, shortened
@@ -52,7 +53,7 @@ class Layer:
         """
         from .faces import shape_of_region
 
-        return shape_of_region(self.region.on_radius(self.cut_radius), axis)
+        return shape_of_region(self.region.on_sheet(cylinder(self.cut_radius)), axis)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

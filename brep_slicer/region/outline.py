@@ -2,7 +2,7 @@
 
 In: a region. Out: distances, places on curves, inside or not.
 
-Everything is periodic: a point and its copies whole turns away are one point. An outline is drawn coarsely first, and finer
+A point and its copies, whole turns away by the closure, are one point. An outline is drawn coarsely first, and finer
 where it lies near to what it is compared with, as often as it takes: far from there a coarse one tells the same.
 """
 
@@ -54,13 +54,20 @@ class Outline:
     """The loops of a `region`, each curve drawn at its `parameters`; curves are numbered loop by loop."""
 
     def __init__(self, region: Region, parameters: list[Array] | None = None) -> None:
-        self.region, self.period = region, region.period
+        self.region, self.closure = region, region.closure
         self.loops: list[Loop] = list(region.loops)
         self.curves: list[Curve] = [curve for loop in self.loops for curve in loop.curves]
         if parameters is None:
-            parameters = [spaced_parameters(curve, COARSE, self.period) for curve in self.curves]
+            parameters = [spaced_parameters(curve, COARSE, self.reach) for curve in self.curves]
         self._parameters = parameters
         self._points = [c.points(s) for c, s in zip(self.curves, self._parameters, strict=True)]
+
+    @cached_property
+    def reach(self) -> float:
+        """REACH of a turn where that is shortest, mm: as far as distances are told, and segments are wide."""
+        ends = np.array([p for loop in self.loops for p in np.reshape(loop.bounds(), (2, 2))]).reshape(-1, 2)
+        heights = self.closure.heights_of(ends) if len(ends) else np.zeros(1)
+        return REACH * float(self.closure.ring_lengths(heights).min())
 
     def spans(self) -> Array:
         """Each segment of each curve from point to point, (n, 2, 2), mm."""
@@ -80,7 +87,7 @@ class Outline:
 
     @cached_property
     def _segments(self) -> tuple[Array, Array, Array, Array, Array]:
-        """From, to (n, 2), curve numbers (n,), parameters at both ends (n, 2), and by how much they are moved along kappa (n,).
+        """From, to (n, 2), curve numbers (n,), parameters at both ends (n, 2), and by how many turns they are moved (n,).
 
         They lie in one turn round 0, with copies beside it.
         """
@@ -88,15 +95,14 @@ class Outline:
         b = np.concatenate([p[1:] for p in self._points])
         number = np.repeat(np.arange(len(self.curves)), [len(s) - 1 for s in self._parameters])
         s = np.concatenate([np.stack([s[:-1], s[1:]], axis=-1) for s in self._parameters])
-        middle = 0.5 * (a[:, 0] + b[:, 0])
-        turns = _turns(middle, self.period)
-        place = middle - turns * self.period
+        closure, middle = self.closure, 0.5 * (a + b)
+        turns = closure.copies_of(middle)
+        place = closure.turns_of(middle) - turns
         parts = []
-        for copy in (-1, 0, 1):
-            use = np.abs(place + copy * self.period) < (0.5 + 2.0 * REACH) * self.period
-            moved = (copy - turns[use]) * self.period
-            move = np.stack([moved, np.zeros_like(moved)], axis=-1)
-            parts.append((a[use] + move, b[use] + move, number[use], s[use], moved))
+        for copy in closure.beside:
+            use = np.abs(place + copy) < 0.5 + 2.0 * REACH
+            moved = copy - turns[use]
+            parts.append((closure.moved(a[use], moved), closure.moved(b[use], moved), number[use], s[use], moved))
         a, b, number, s, moved = (np.concatenate(columns) for columns in zip(*parts, strict=True))
         return a, b, number, s, moved
 
@@ -112,24 +118,25 @@ class Outline:
         import shapely
 
         q = np.array(points, dtype=float).reshape(-1, 2)
-        q[:, 0] -= _turns(q[:, 0], self.period) * self.period
+        copies = self.closure.copies_of(q)
+        q = self.closure.moved(q, -copies)
         a, b, number, s, moved = self._segments
         (_, found), _ = self._tree.query_nearest(shapely.points(q), return_distance=True, all_matches=False)
         along = b[found] - a[found]
         square = np.maximum(np.einsum("ij,ij->i", along, along), 1e-300)
         share = np.clip(np.einsum("ij,ij->i", q - a[found], along) / square, 0.0, 1.0)
         at = s[found, 0] + share * (s[found, 1] - s[found, 0])
-        q[:, 0] -= moved[found]
-        directions, offsets = along / np.sqrt(square)[:, None], np.empty((len(q), 2))
+        q = self.closure.moved(q, -moved[found])
+        directions, offsets = self.closure.turned(along / np.sqrt(square)[:, None], -moved[found]), np.empty((len(q), 2))
         for i in np.unique(number[found]):
             rows = np.flatnonzero(number[found] == i)
             at[rows], offsets[rows], tangents = projected(self.curves[i], at[rows], q[rows])
             size = np.hypot(*tangents.T)
             clear = np.isfinite(size) & (size > 0.0)
             directions[rows[clear]] = tangents[clear] / size[clear, None]
-        distances = np.minimum(np.hypot(*offsets.T), REACH * self.period)
+        distances = np.minimum(np.hypot(*offsets.T), self.reach)
         sides = np.sign(directions[:, 0] * offsets[:, 1] - directions[:, 1] * offsets[:, 0])
-        return Nearest(distances, number[found], at, directions, sides)
+        return Nearest(distances, number[found], at, self.closure.turned(directions, copies + moved[found]), sides)
 
     def distances_from(self, polylines: Array) -> Array:
         """Distance (n,) of polylines (n, k, 2), each no wider than REACH of a turn, from the outline; cut to REACH as well."""
@@ -137,14 +144,12 @@ class Outline:
 
         lines = self.in_the_window(polylines)
         _, distance = self._tree.query_nearest(shapely.linestrings(lines), return_distance=True, all_matches=False)
-        return np.minimum(distance, REACH * self.period)
+        return np.minimum(distance, self.reach)
 
     def in_the_window(self, polylines: Array) -> Array:
         """Polylines (n, k, 2) moved by whole turns so that the middle between their ends lies within half a turn of 0."""
         lines = np.array(polylines, dtype=float)
-        middle = 0.5 * (lines[:, 0, 0] + lines[:, -1, 0])
-        lines[..., 0] -= (_turns(middle, self.period) * self.period)[:, None]
-        return lines
+        return self.closure.moved(lines, -self.closure.copies_of(0.5 * (lines[:, 0] + lines[:, -1]))[:, None])
 
     def runs_beside(self, polylines: Array, at: Nearest, reach: float) -> Array:
         """For which polylines (n, k, 2) all of the outline within `reach` mm of them is one stretch of one curve, on one side.
@@ -182,25 +187,20 @@ class Outline:
         for loop in self.loops:
             parts = self._points[first : first + len(loop.curves)]
             first += len(loop.curves)
-            chain = np.concatenate([*parts, parts[0][:1] + np.array([[loop.winding * self.period, 0.0]])])
+            chain = np.concatenate([*parts, self.closure.moved(parts[0][:1], loop.winding)])
             for i in range(0, len(points), AT_ONCE):
-                below[i : i + AT_ONCE] += crossings_below(chain, points[i : i + AT_ONCE], self.period)
+                below[i : i + AT_ONCE] += crossings_below(chain, points[i : i + AT_ONCE], self.closure)
         return below
 
 
-def spaced_parameters(curve: Curve, chord: float, period: float) -> Array:
-    """Parameters whose polyline lies within `chord` (mm) of the curve, none of its segments wider than REACH of a turn."""
+def spaced_parameters(curve: Curve, chord: float, reach: float) -> Array:
+    """Parameters whose polyline lies within `chord` (mm) of the curve, none of its segments wider than `reach` (mm)."""
     s = curve.parameters(chord)
     widths = np.abs(np.diff(curve.points(s)[:, 0]))
-    pieces = np.maximum(np.ceil(widths / (REACH * period)).astype(int), 1)
+    pieces = np.maximum(np.ceil(widths / reach).astype(int), 1)
     if pieces.max() == 1:
         return s
     return np.concatenate([*(np.linspace(s[i], s[i + 1], k + 1)[:-1] for i, k in enumerate(pieces)), s[-1:]])
-
-
-def _turns(kappa: Array, period: float) -> Array:
-    """How many turns each kappa lies from the window [-half a turn, half a turn)."""
-    return np.floor(kappa / period + 0.5)
 
 
 def projected(curve: Curve, s: Array, points: Array) -> tuple[Array, Array, Array]:
@@ -255,10 +255,9 @@ def drawn_near_points(region: Region, points: Array, fine: float) -> Outline:
     out = Outline(region)
     if not out.curves:
         return out
-    at = np.array(points, dtype=float)
-    at[:, 0] -= _turns(at[:, 0], out.period) * out.period
-    moves = np.array([[-out.period, 0.0], [0.0, 0.0], [out.period, 0.0]])
-    tree = shapely.STRtree(shapely.points((at + moves[:, None]).reshape(-1, 2)))
+    at = out.closure.canonical(np.array(points, dtype=float))
+    copies = np.concatenate([out.closure.moved(at, turns) for turns in out.closure.beside])
+    tree = shapely.STRtree(shapely.points(copies))
     for before, chord in _levels(fine):
         spans = out.in_the_window(out.spans())
         found = tree.query(shapely.linestrings(spans), predicate="dwithin", distance=NEAR * before)[0]

@@ -2,7 +2,7 @@
 
 In: a layer's region and what lies below it, at equal angles. Out: an Overhang with its areas.
 
-Words: *reach*, how far beside the metal below a bead is still carried; *lift*, a copy a whole number of turns away.
+Words: *reach*, how far beside the metal below a bead is still carried; *copy*, the same thing a whole number of turns away.
 
 What is below is first widened by the reach. What of the layer lies *beyond* that hangs for certain. The area *over air* is all
 of it round about, up to the metal below: what lies within a reach of what is beyond, and not on metal. So an overhang of less
@@ -16,6 +16,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from brep_slicer.layers import Closure, Sheet
 
 from .region import Region
 
@@ -41,20 +43,24 @@ class Overhang:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DrawnRegion:
-    """A region as `polygons` (shapely, valid) in its plane on `radius` (mm), to compare it with others at equal angles."""
+    """A region as `polygons` (shapely, valid) in the plane of its `sheet`, to compare it with others at equal angles."""
 
-    radius: float
+    sheet: Sheet
     polygons: tuple[Any, ...]
 
-    def on_radius(self, radius: float) -> DrawnRegion:
-        """The same angles on another cylinder."""
+    def on_sheet(self, sheet: Sheet) -> DrawnRegion:
+        """The same angles and heights on another sheet of the family."""
         import shapely
 
-        if radius == self.radius:
+        if sheet == self.sheet:
             return self
-        scale = np.array([radius / self.radius, 1.0])
-        moved = shapely.transform(np.array(self.polygons, dtype=object), lambda points: points * scale)
-        return DrawnRegion(radius=radius, polygons=tuple(moved))
+        old, new = self.sheet.closure, sheet.closure
+        if old.is_open:
+            return DrawnRegion(sheet=sheet, polygons=self.polygons)
+        moved = shapely.transform(
+            np.array(self.polygons, dtype=object), lambda points: new.at(old.turns_of(points), old.heights_of(points))
+        )
+        return DrawnRegion(sheet=sheet, polygons=tuple(moved))
 
 
 def drawn_region(region: Region, *, chord: float) -> DrawnRegion:
@@ -63,7 +69,7 @@ def drawn_region(region: Region, *, chord: float) -> DrawnRegion:
 
     drawn = shapely.get_parts(region.to_shapely(chord=chord))
     whole = [shape if shape.is_valid else shapely.make_valid(shape) for shape in drawn]
-    return DrawnRegion(radius=region.radius, polygons=tuple(shape for shape in whole if not shape.is_empty))
+    return DrawnRegion(sheet=region.sheet, polygons=tuple(shape for shape in whole if not shape.is_empty))
 
 
 def overhang_of(above: DrawnRegion, below: Sequence[DrawnRegion], *, reach: float) -> Overhang | None:
@@ -74,30 +80,30 @@ def overhang_of(above: DrawnRegion, below: Sequence[DrawnRegion], *, reach: floa
         return None
     speck = SPECK_SHARE * np.pi * reach**2
     shapes = np.array(above.polygons, dtype=object)
-    metal = [polygon for region in below for polygon in region.on_radius(above.radius).polygons]
-    period = 2.0 * np.pi * above.radius
-    bounds = shapely.total_bounds(shapes)
-    near = _lifts(metal, period, bounds[0] - reach, bounds[2] + reach)
+    metal = [polygon for region in below for polygon in region.on_sheet(above.sheet).polygons]
+    closure = above.sheet.closure
+    around = closure.span_of(shapely.box(*shapely.total_bounds(shapes)).buffer(reach).bounds)
+    near = _copies(metal, closure, *around)
     bare = _outside(shapes, near)
     if _area(bare) <= speck:
         return None
-    beyond = _spots(_outside(bare, shapely.buffer(near, reach, quad_segs=SEGMENTS)), period, speck)
+    beyond = _spots(_outside(bare, shapely.buffer(near, reach, quad_segs=SEGMENTS)), closure, speck)
     if not len(beyond):
         return None
-    round_about = _lifts(list(shapely.buffer(beyond, MORE * reach, quad_segs=SEGMENTS)), period, bounds[0], bounds[2])
+    round_about = _copies(list(shapely.buffer(beyond, MORE * reach, quad_segs=SEGMENTS)), closure, *around)
     over_air = shapely.intersection(shapely.union_all(bare), shapely.union_all(round_about))
     return Overhang(over_air=float(over_air.area), beyond=_area(beyond))
 
 
-def _spots(shapes: np.ndarray, period: float, least: float) -> np.ndarray:
+def _spots(shapes: np.ndarray, closure: Closure, least: float) -> np.ndarray:
     """The connected parts of shapes that are larger than `least` (mm**2), whether or not a chart's seam divides them."""
     import shapely
 
     parts = shapely.get_parts(shapes)
     if not len(parts):
         return parts
-    low, _, high, _ = shapely.total_bounds(parts)
-    joined = shapely.get_parts(shapely.union_all(_lifts(parts, period, low - period, high + period)))
+    low, high = closure.span_of(shapely.total_bounds(parts))
+    joined = shapely.get_parts(shapely.union_all(_copies(parts, closure, low - 1.0, high + 1.0)))
     large = joined[shapely.area(joined) > least]
     one, _ = shapely.STRtree(large).query(parts, predicate="intersects")
     return parts[np.unique(one)]
@@ -109,15 +115,12 @@ def _area(shapes: np.ndarray) -> float:
     return float(shapely.area(shapes).sum())
 
 
-def _lifts(shapes: Sequence[Geometry], period: float, low: float, high: float) -> np.ndarray:
-    """All lifts of shapes that lie between two kappas (mm), at least in part."""
-    from shapely.affinity import translate
-
+def _copies(shapes: Sequence[Geometry], closure: Closure, low: float, high: float) -> np.ndarray:
+    """All copies of shapes that lie from `low` to `high` (turns), at least in part."""
     out = []
     for shape in shapes:
-        k0, _, k1, _ = shape.bounds
-        for turns in range(int(np.ceil((low - k1) / period)), int(np.floor((high - k0) / period)) + 1):
-            out.append(translate(shape, turns * period) if turns else shape)
+        for turns in closure.copies_between(shape.bounds, low, high):
+            out.append(closure.motion(turns).shape(shape) if turns else shape)
     return np.array(out, dtype=object)
 
 

@@ -1,6 +1,6 @@
 """Regions of several solids joined, or taken from one another, on their exact curves.
 
-In: regions on one cylinder. Out: their union or difference, with the curves' kinds kept.
+In: regions on one sheet. Out: their union or difference, with the curves' kinds kept.
 
 1. Where does each outline come near to the other (`contacts`)? There its curves are cut.
 2. Ends of cuts that lie within a touch of each other are one node.
@@ -21,11 +21,12 @@ import numpy as np
 from brep_slicer.curves import Curve, Loop
 from brep_slicer.errors import LayerError
 from brep_slicer.groups import groups_of_pairs
+from brep_slicer.layers import Closure, Sheet
 from brep_slicer.maps import Array
 from brep_slicer.section.chain import Arc, loops_from_arcs
 
 from .contacts import contacts
-from .outline import Outline, drawn_near_each_other, drawn_near_points, projected
+from .outline import REACH, Outline, drawn_near_each_other, drawn_near_points, projected
 from .pieces import Piece
 from .region import Region, region_from_loops
 
@@ -44,8 +45,8 @@ FINE = 0.1
 SIDE = 4.0
 
 
-def union_of_regions(radius: float, regions: Sequence[Region]) -> Region:
-    """The union of regions on the cylinder of `radius`; those that touch are one piece.
+def union_of_regions(sheet: Sheet, regions: Sequence[Region]) -> Region:
+    """The union of regions on a sheet; those that touch are one piece.
 
     Raises
     ------
@@ -57,7 +58,7 @@ def union_of_regions(radius: float, regions: Sequence[Region]) -> Region:
         # neighbours first, so that no outline is drawn more often than there are rounds
         joined = [_overlay(a, b, union=True) for a, b in zip(parts[0::2], parts[1::2], strict=False)]
         parts = joined + parts[2 * len(joined) :]
-    return parts[0] if parts else Region(radius=radius)
+    return parts[0] if parts else Region(sheet=sheet)
 
 
 def difference_of_regions(region: Region, other: Region) -> Region:
@@ -92,11 +93,11 @@ class _Cut:
 
 def _overlay(a: Region, b: Region, *, union: bool) -> Region:
     """The pieces of both whose boxes meet are overlaid, the others stay as they are."""
-    flags = _meeting([p.bounds() for p in a.pieces], [p.bounds() for p in b.pieces], a.period)
+    flags = _meeting([p.bounds() for p in a.pieces], [p.bounds() for p in b.pieces], a.closure)
     (near_a, far_a), (near_b, far_b) = (_parted(region, near) for region, near in zip((a, b), flags, strict=True))
     found = _near_overlaid(near_a, near_b, union) if near_a.pieces and near_b.pieces else near_a
     pieces = found.pieces + far_a + (far_b if union else ())
-    return Region(radius=a.radius, pieces=pieces, touch=max(a.touch, b.touch, found.touch))
+    return Region(sheet=a.sheet, pieces=pieces, touch=max(a.touch, b.touch, found.touch))
 
 
 def _parted(region: Region, near: Array) -> tuple[Region, tuple[Piece, ...]]:
@@ -107,7 +108,7 @@ def _parted(region: Region, near: Array) -> tuple[Region, tuple[Piece, ...]]:
 
 def _near_overlaid(a: Region, b: Region, union: bool) -> Region:
     boxes, others = ([c.bounds() for loop in r.loops for c in loop.curves] for r in (a, b))
-    near = _meeting(boxes, others, a.period)
+    near = _meeting(boxes, others, a.closure)
     if not any(flags.any() for flags in near) and not _nested(a, b):
         return replace(a, pieces=a.pieces + b.pieces if union else a.pieces)
     reasons = []
@@ -117,19 +118,14 @@ def _near_overlaid(a: Region, b: Region, union: bool) -> Region:
         except LayerError as error:
             reasons.append(f"{error} (touch {touch:g} mm)")
     raise LayerError(
-        f"the sections of two solids at radius {a.radius:g} mm overlap in a way that cannot be resolved: {'; '.join(reasons)}"
+        f"the sections of two solids at {a.sheet.label} overlap in a way that cannot be resolved: {'; '.join(reasons)}"
     )
 
 
-def _meeting(first: Sequence[Box], second: Sequence[Box], period: float) -> tuple[Array, Array]:
+def _meeting(first: Sequence[Box], second: Sequence[Box], closure: Closure) -> tuple[Array, Array]:
     """Which boxes (kappa_min, v_min, kappa_max, v_max) of either kind meet one of the other, (n,) and (m,) of bool."""
-    p, q = np.array(first), np.array(second)
-    margin = TOUCHES[-1]
-    high = (p[:, None, 3] + margin >= q[None, :, 1]) & (q[None, :, 3] + margin >= p[:, None, 1])
-    before = np.ceil((p[:, None, 0] - q[None, :, 2] - margin) / period)
-    last = np.floor((p[:, None, 2] - q[None, :, 0] + margin) / period)
-    meets = high & (last >= before)
-    return meets.any(axis=1), meets.any(axis=0)
+    meets = closure.boxes_meet(np.array(first), np.array(second), TOUCHES[-1])
+    return np.asarray(meets.any(axis=1)), np.asarray(meets.any(axis=0))
 
 
 def _nested(a: Region, b: Region) -> bool:
@@ -143,7 +139,7 @@ class _Overlay:
     """Two regions whose outlines are cut where they come within `touch` mm of each other."""
 
     def __init__(self, a: Region, b: Region, near: tuple[Array, Array], touch: float) -> None:
-        self.radius, self.period, self.touch = a.radius, a.period, touch
+        self.sheet, self.closure, self.touch = a.sheet, a.closure, touch
         self.near = near
         self.regions, self.outlines = (a, b), drawn_near_each_other(a, b, FINE * touch)
         nodes = itertools.count()
@@ -162,8 +158,8 @@ class _Overlay:
                 else Arc(curve=curve, start=cut.start, end=cut.end)
             )
         # what is no wider than a node is a scrap of how the outlines were met
-        loops = [loop for loop in loops_from_arcs(self.radius, arcs) if loop.winding or not self._is_scrap(loop)]
-        region = region_from_loops(self.radius, loops)
+        loops = [loop for loop in loops_from_arcs(self.sheet, arcs) if loop.winding or not self._is_scrap(loop)]
+        region = region_from_loops(self.sheet, loops)
         self._check(region, union)
         return region
 
@@ -197,24 +193,29 @@ class _Overlay:
 
     def _identified(self, cuts: list[_Cut]) -> list[_Cut]:
         """Nodes that lie together made one, of one outline too; pieces that are only crossings are gone."""
-        from scipy.spatial import cKDTree
-
         near = [cut for cut in cuts if cut.along]
         gone = {id(cut): (cut.start, cut.end) for cut in near if self._is_crossing(cut)}
         places = {node: cut.points(share) for cut in cuts for node, share in ((cut.start, 0.0), (cut.end, 1.0))}
         names = list(places)
-        at = np.array(list(places.values()))
-        low, high = at[:, 1].min(), at[:, 1].max()
-        at[:, 0] = np.mod(at[:, 0], self.period) % self.period
-        tree = cKDTree(at - [0.0, low], boxsize=[self.period, 2.0 * (high - low) + 1.0])
+        at = self.closure.canonical(np.array(list(places.values())))
         met = {node for cut in near for node in (cut.start, cut.end)}
-        close = [(names[i], names[j]) for i, j in tree.query_pairs(NODE * self.touch)]
+        close = [(names[i], names[j]) for i, j in self._pairs(at, NODE * self.touch)]
         # ends that no piece along the other outline has are one only where an outline touches itself
-        same = {(names[i], names[j]) for i, j in tree.query_pairs(FINE * self.touch)}
+        same = {(names[i], names[j]) for i, j in self._pairs(at, FINE * self.touch)}
         pairs = [pair for pair in close if met.issuperset(pair) or pair in same]
         group = _groups(names, pairs + list(gone.values()))
         left = [replace(c, start=group.get(c.start, c.start), end=group.get(c.end, c.end)) for c in cuts if id(c) not in gone]
         return [c for c in left if c.start != c.end or self._length(c) > 3.0 * NODE * self.touch]
+
+    def _pairs(self, points: Array, reach: float) -> set[tuple[int, int]]:
+        """Which of `points` (n, 2; of one turn) lie within `reach` mm of each other, or of each other's copies: i < j."""
+        from scipy.spatial import cKDTree
+
+        tree, found = cKDTree(points), set()
+        for turns in self.closure.beside:
+            copies = cKDTree(self.closure.moved(points, turns))
+            found |= {(i, j) for i, near in enumerate(tree.query_ball_tree(copies, reach)) for j in near if i < j}
+        return found
 
     def _is_crossing(self, cut: _Cut) -> bool:
         """Whether a piece within a touch of the other outline runs away from it, not along it."""
@@ -267,8 +268,8 @@ class _Overlay:
         """Both pieces ended where their curves cross or, if they run into one another, where one of the curves itself ends."""
         side_a, side_b = int(a.end == node), int(b.end == node)
         s, t = a.span[side_a], b.span[side_b]
-        turns = round(float(a.points(side_a)[0] - b.points(side_b)[0]) / self.period)
-        other = b.parent.shifted(turns * self.period) if turns else b.parent
+        turns = float(self.closure.nearest_turns(b.points(side_b), a.points(side_a)))
+        other = b.parent.moved(self.closure.motion(turns)) if turns else b.parent
         trials = [(s, t), _polished(a.parent, other, s, t)]
         trials += [(e, _beside(other, t, a.parent.points(np.array([e])))) for e in (s, float(side_a))]
         trials += [(_beside(a.parent, s, other.points(np.array([e]))), e) for e in (t, float(side_b))]
@@ -285,7 +286,7 @@ class _Overlay:
         sine = abs(da[0] * db[1] - da[1] * db[0]) / max(np.hypot(*da) * np.hypot(*db), 1e-300)
         reach = (NODE + 1.0) * self.touch
         moved = max(np.hypot(*(p - p0)), np.hypot(*(q - q0)))
-        return float(np.hypot(*(p - q))) if moved * max(sine, reach / self.period) <= reach else np.inf
+        return float(np.hypot(*(p - q))) if moved * max(sine, REACH * reach / self.outlines[0].reach) <= reach else np.inf
 
     def _check(self, region: Region, union: bool) -> None:
         """Hold the result against both regions on either side of every piece that was cut.

@@ -2,7 +2,7 @@
 
 In: loops that were nested. Out: Piece values with exact areas.
 
-Words: *lift*, a copy a whole number of turns away; *to wind*, to go all the way round the shaft.
+Words: *copy*, the same piece a whole number of turns away; *to wind*, to go all the way round the shaft.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from brep_slicer.curves import Loop
+from brep_slicer.layers import Closure, Sheet
 from brep_slicer.wording import counted
 
 
@@ -30,7 +31,7 @@ class Piece:
     def __repr__(self) -> str:
         turn = ", full turn" if self.winds else ""
         holes = counted(len(self.holes), "hole")
-        return f"Piece(R {self.radius:.6g} mm: {self.area():.6g} mm2, outline {self.length():.6g} mm, {holes}{turn})"
+        return f"Piece({self.sheet.label}: {self.area():.6g} mm2, outline {self.length():.6g} mm, {holes}{turn})"
 
     @property
     def winds(self) -> bool:
@@ -38,9 +39,29 @@ class Piece:
         return len(self.outer) == 2
 
     @property
+    def sheet(self) -> Sheet:
+        """The sheet that it lies on."""
+        return self.outer[0].sheet
+
+    @property
+    def closure(self) -> Closure:
+        """The motion from a piece to its next copy."""
+        return self.sheet.closure
+
+    @property
+    def cut(self) -> float:
+        """Where the chart of a full turn is cut, in turns: where its lower edge begins."""
+        return float(self.closure.turns_of(self.outer[0].curves[0].start))
+
+    @property
+    def beside(self) -> tuple[int, ...]:
+        """The turns by which what lies in a full turn is moved to have it beside that, too; (0,) of other pieces."""
+        return self.closure.beside if self.winds else (0,)
+
+    @property
     def radius(self) -> float:
         """Radius of the cylinder, mm."""
-        return self.outer[0].radius
+        return self.sheet.radius
 
     @property
     def loops(self) -> tuple[Loop, ...]:
@@ -64,16 +85,14 @@ class Piece:
         boxes = np.array([loop.bounds() for loop in self.outer])
         return (*boxes[:, :2].min(axis=0).tolist(), *boxes[:, 2:].max(axis=0).tolist())
 
-    def shifted(self, turns: int) -> Piece:
-        """The lift `turns` turns further on."""
+    def moved(self, turns: int) -> Piece:
+        """The copy `turns` turns further on."""
         return Piece(
-            outer=tuple(loop.shifted(turns) for loop in self.outer),
-            holes=tuple(loop.shifted(turns) for loop in self.holes),
+            outer=tuple(loop.moved(turns) for loop in self.outer), holes=tuple(loop.moved(turns) for loop in self.holes)
         )
 
-    def on_radius(self, radius: float) -> Piece:
+    def on_sheet(self, sheet: Sheet) -> Piece:
         """The piece of the same angles on another cylinder."""
         return Piece(
-            outer=tuple(loop.on_radius(radius) for loop in self.outer),
-            holes=tuple(loop.on_radius(radius) for loop in self.holes),
+            outer=tuple(loop.on_sheet(sheet) for loop in self.outer), holes=tuple(loop.on_sheet(sheet) for loop in self.holes)
         )

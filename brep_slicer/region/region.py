@@ -1,13 +1,14 @@
-"""The unrolled area of a layer: pieces in the plane (kappa, v), periodic in kappa.
+"""The unrolled area of a layer: pieces in the plane (kappa, v) of its sheet, each with its copies, turns away.
 
 In: the closed loops of a section. Out: a Region: pieces with their holes, exact areas, polygons to a chord.
 
 Words: *chart*, one drawing of the region on a stretch of the plane; *seam*, where a full band's chart is cut (no
-boundary: no contour follows it); *lift*, a copy a whole number of turns away.
+boundary: no contour follows it); *copy*, the same thing a whole number of turns away, by the sheet's closure.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -16,7 +17,7 @@ import numpy as np
 
 from brep_slicer.curves import Loop
 from brep_slicer.errors import LayerError
-from brep_slicer.maps import TURN
+from brep_slicer.layers import Closure, Sheet
 from brep_slicer.wording import counted
 
 from .chart import crossings_below, polygon_from_piece
@@ -31,22 +32,27 @@ NESTING_SHARE = 1e-4
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Region:
-    """The unrolled section of one layer on the cylinder of `radius` (mm); empty without `pieces`.
+    """The unrolled section of one layer, in the plane of its `sheet`; empty without `pieces`.
 
     `touch` is how near two outlines had to come to be joined (mm), 0 where none were held against each other.
     """
 
-    radius: float
+    sheet: Sheet
     pieces: tuple[Piece, ...] = ()
     touch: float = 0.0
 
     def __repr__(self) -> str:
-        return f"Region(R {self.radius:.6g} mm: {counted(len(self.pieces), 'piece')}, {self.area:.6g} mm2)"
+        return f"Region({self.sheet.label}: {counted(len(self.pieces), 'piece')}, {self.area:.6g} mm2)"
 
     @property
-    def period(self) -> float:
-        """Length of one turn, 2 * pi * radius, in mm."""
-        return TURN * self.radius
+    def closure(self) -> Closure:
+        """The motion from a thing on the sheet to its next copy."""
+        return self.sheet.closure
+
+    @property
+    def radius(self) -> float:
+        """Radius of the cylinder, mm."""
+        return self.sheet.radius
 
     @property
     def area(self) -> float:
@@ -65,7 +71,7 @@ class Region:
 
     @property
     def is_empty(self) -> bool:
-        """Whether there is no metal on this cylinder."""
+        """Whether there is no metal on this sheet."""
         return not self.pieces
 
     @property
@@ -73,27 +79,27 @@ class Region:
         """Every loop of every piece."""
         return tuple(loop for piece in self.pieces for loop in piece.loops)
 
-    def on_radius(self, radius: float) -> Region:
-        """The same angles drawn on another cylinder: kappa is rescaled by radius / self.radius."""
-        if radius == self.radius:
+    def on_sheet(self, sheet: Sheet) -> Region:
+        """The same angles drawn on another cylinder: kappa is rescaled by the ratio of the radii."""
+        if sheet == self.sheet:
             return self
-        return Region(radius=radius, pieces=tuple(piece.on_radius(radius) for piece in self.pieces), touch=self.touch)
+        return Region(sheet=sheet, pieces=tuple(piece.on_sheet(sheet) for piece in self.pieces), touch=self.touch)
 
-    def to_shapely(self, *, chord: float = 0.01, seam: float | None = None) -> MultiPolygon:
+    def to_shapely(self, *, chord: float = 0.01, seam_deg: float = -180.0) -> MultiPolygon:
         """Polygons in (kappa, v), mm, sampled in the plane to `chord` (mm), in the order of the pieces.
 
         A piece that does not wind is drawn whole, where its middle lies within half a turn of kappa = 0. A full band is cut
-        at kappa = `seam` (default: half a turn before 0) and its two cut sides are no boundary of the region; if an edge folds
+        `seam_deg` degrees round the axis and its two cut sides are no boundary of the region; if an edge folds
         back over the seam, it comes in several polygons.
         """
         import shapely
 
-        drawn = [polygon_from_piece(piece, chord=chord, seam=seam) for piece in self.pieces]
+        drawn = [polygon_from_piece(piece, chord=chord, seam=seam_deg / 360.0) for piece in self.pieces]
         return shapely.MultiPolygon([part for shape in drawn for part in shapely.get_parts(shape)])
 
 
-def region_from_loops(radius: float, loops: Iterable[Loop]) -> Region:
-    """Nest closed loops, material on their left, into pieces.
+def region_from_loops(sheet: Sheet, loops: Iterable[Loop]) -> Region:
+    """Nest closed loops on a sheet, material on their left, into pieces.
 
     Raises
     ------
@@ -115,18 +121,18 @@ def region_from_loops(radius: float, loops: Iterable[Loop]) -> Region:
         probe = shapely.Point(hole.curves[0].points(np.array([0.5]))[0])
         home = _home_of(hole, probe, order, shapes, bands)
         if home is None:
-            raise LayerError(f"a hole at radius {radius:g} mm lies in no piece: the section does not close")
+            raise LayerError(f"a hole at {sheet.label} lies in no piece: the section does not close")
         index, turns = home
-        found.setdefault(index, []).append(hole.shifted(turns))
+        found.setdefault(index, []).append(hole.moved(turns))
     pieces = [Piece(outer=(outer,), holes=tuple(found.get(i, ()))) for i, outer in enumerate(outers)]
     pieces += [Piece(outer=band, holes=tuple(found.get(-1 - j, ()))) for j, band in enumerate(bands)]
-    return Region(radius=radius, pieces=tuple(sorted(pieces, key=lambda p: p.bounds()[:2])))
+    return Region(sheet=sheet, pieces=tuple(sorted(pieces, key=lambda p: p.bounds()[:2])))
 
 
 def _centred(loop: Loop) -> Loop:
-    """The lift whose middle lies in [-half a turn, half a turn)."""
-    k0, _, k1, _ = loop.bounds()
-    return loop.shifted(-int(np.floor(0.5 * (k0 + k1) / loop.period + 0.5)))
+    """The copy whose middle lies in [-half a turn, half a turn)."""
+    k0, v0, k1, v1 = loop.bounds()
+    return loop.moved(-int(loop.closure.copies_of(np.array([0.5 * (k0 + k1), 0.5 * (v0 + v1)]))))
 
 
 def _nesting_polygon(loop: Loop):
@@ -138,27 +144,27 @@ def _nesting_polygon(loop: Loop):
 
 
 def _home_of(hole: Loop, probe, order, shapes, bands) -> tuple[int, int] | None:
-    """Index of the smallest piece round a hole's point, and the lift of the hole that lies in it."""
+    """Index of the smallest piece round a hole's point, and by how many turns the hole has to be moved to lie in it."""
     import shapely
 
-    k, v = probe.x, probe.y
+    closure, point = hole.closure, np.array([probe.x, probe.y])
+    place = float(closure.turns_of(point))
     for index in order:
-        k0, _, k1, _ = shapes[index].bounds
-        for turns in range(int(np.ceil((k0 - k) / hole.period)), int(np.floor((k1 - k) / hole.period)) + 1):
-            if shapes[index].contains(shapely.Point(k + turns * hole.period, v)):
+        low, high = closure.span_of(shapes[index].bounds)
+        for turns in range(math.ceil(low - place), math.floor(high - place) + 1):
+            if shapes[index].contains(shapely.Point(closure.moved(point, turns))):
                 return index, turns
     for j, (lower, upper) in enumerate(bands):
         if _lies_in_band(hole, lower, upper):
-            start = float(lower.curves[0].start[0])
-            return -1 - j, int(-np.floor((k - start) / hole.period))
+            return -1 - j, -int(closure.copies_of(point, float(closure.turns_of(lower.curves[0].start))))
     return None
 
 
 def _lies_in_band(hole: Loop, lower: Loop, upper: Loop) -> bool:
     """Whether most of a hole's corners lie above the lower edge and not above the upper one, though these fold back."""
     corners = np.array([curve.points(np.array([0.0, 0.5])) for curve in hole.curves]).reshape(-1, 2)
-    chains = [loop.sample(NESTING_SHARE * loop.period) for loop in (lower, upper)]
-    inside = crossings_below(chains[0], corners, hole.period) + crossings_below(chains[1], corners, hole.period) > 0
+    chains = [loop.sample(NESTING_SHARE * loop.length()) for loop in (lower, upper)]
+    inside = crossings_below(chains[0], corners, hole.closure) + crossings_below(chains[1], corners, hole.closure) > 0
     return bool(np.mean(inside) > 0.5)
 
 
@@ -173,4 +179,5 @@ def _paired_bands(loops: list[Loop]) -> list[tuple[Loop, Loop]]:
 
 
 def _mean_height(loop: Loop) -> float:
-    return loop.moment(1) / (loop.winding * loop.period)
+    """What orders the edges of bands: the area under one, a turn long, is the larger the higher it lies."""
+    return -loop.signed_area() / loop.winding

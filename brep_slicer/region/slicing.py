@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from brep_slicer.errors import InputError, LayerError
-from brep_slicer.maps import TURN, Array
+from brep_slicer.layers import cylinder
+from brep_slicer.maps import Array
 from brep_slicer.part import as_part
 from brep_slicer.process import check_radii, choice
 from brep_slicer.section import Certificate, CutSolid, Engine, cut_solids
@@ -104,13 +105,13 @@ def _section(sections: SolidSections, i: int) -> Section:
     if isinstance(loops, LayerError):
         return loops
     try:
-        return region_from_loops(radius, loops[0]), loops[1]
+        return region_from_loops(cylinder(radius), loops[0]), loops[1]
     except LayerError as error:
         if loops[1].fallback or loops[1].engine is Engine.BOOLEAN:
             return error
         second = sections.fallback(i, str(error))
     try:
-        return second if isinstance(second, LayerError) else (region_from_loops(radius, second[0]), second[1])
+        return second if isinstance(second, LayerError) else (region_from_loops(cylinder(radius), second[0]), second[1])
     except LayerError as error:
         return error
 
@@ -146,8 +147,8 @@ def _boxes(section: tuple[Region, Certificate]) -> Array:
     region, certificate = section
     wide = certificate.bound + FITS
     boxes = np.array([piece.bounds() for piece in region.pieces]).reshape(-1, 4) + wide * np.array([-1.0, -1.0, 1.0, 1.0])
-    turn = TURN * region.radius * np.array([1.0, 0.0, 1.0, 0.0])
-    return np.concatenate([boxes + k * turn for k in (-1.0, 0.0, 1.0)])
+    corners = boxes.reshape(-1, 2, 2)
+    return np.concatenate([region.closure.moved(corners, turns).reshape(-1, 4) for turns in region.closure.beside])
 
 
 def _meet(one: Array, other: Array) -> bool:
@@ -163,7 +164,7 @@ def _side_by_side(solids: dict[int, SolidSections], radius: float) -> dict[int, 
         near, far = (_section(solid.beside(radius + k * COINCIDENCE_STEP), 0) for k in (1.0, 2.0))
         if isinstance(near, LayerError) or isinstance(far, LayerError) or _stepped(near):
             return {}
-        region, beyond = near[0].on_radius(radius), far[0].on_radius(radius)
+        region, beyond = near[0].on_sheet(cylinder(radius)), far[0].on_sheet(cylinder(radius))
         moved = moved_by_step(region.loops, beyond.loops, (1.0, 2.0))
         reason = near[1].fallback or "a neighbour was cut beside its radius"
         certificate = replace(near[1], residual=max(near[1].residual, moved), fallback=reason, coincident=True)
@@ -188,7 +189,7 @@ def _layer(index: int, radius: float, sections: dict[int, Section], substrate: s
 def _joined(index: int, radius: float, sections: dict[int, tuple[Region, Certificate]], substrate: set[int]) -> Layer:
     features = [region for i, (region, _) in sections.items() if i not in substrate]
     standing = [region for i, (region, _) in sections.items() if i in substrate]
-    region = union_of_regions(radius, features)
+    region = union_of_regions(cylinder(radius), features)
     for other in standing:
         region = difference_of_regions(region, other)
     certificate = _merged({i: c for i, (_, c) in sections.items()})

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from brep_slicer.errors import LayerError
+from brep_slicer.layers import Closure
 from brep_slicer.maps import Array
 
 if TYPE_CHECKING:
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
 # Ends of an outline on the two sides of the chart belong together within this, mm.
 SAME_PLACE = 1e-6
+# What lies no farther from a side of the chart lies on it, mm: rounding.
+ON_SIDE = 1e-9
 
 
 class Outlined(NamedTuple):
@@ -27,11 +30,13 @@ class Outlined(NamedTuple):
     winding: int
 
 
-def stitched_outlines(shape: Geometry, *, first: float, period: float, thin: float = 0.0, spot: float = 0.0) -> list[Outlined]:
+def stitched_outlines(
+    shape: Geometry, closure: Closure, *, first: float, thin: float = 0.0, spot: float = 0.0
+) -> list[Outlined]:
     """The outlines of a geometry, each once, thinned out to `thin` (mm).
 
-    It is cut at a kappa from `first` (mm) to a turn further on where no corner lies, and a turn from there: so far it must be
-    drawn. Polygons there of an area less than `spot` (mm**2) are left out.
+    It is cut at a place from `first` (turns) to a turn further on where no corner lies, and a turn from there: so far it must
+    be drawn. Polygons there of an area less than `spot` (mm**2) are left out.
 
     Raises
     ------
@@ -42,35 +47,35 @@ def stitched_outlines(shape: Geometry, *, first: float, period: float, thin: flo
 
     if shape.is_empty:
         return []
-    seam = _free_place(shape, first, period)
-    low, high = shape.bounds[1::2]
-    flat = shape.intersection(shapely.box(seam, low - 1.0, seam + period, high + 1.0))
+    corners = shapely.get_coordinates(shape)
+    heights = closure.heights_of(corners)
+    seam = _free_place(closure.turns_near(corners, first + 0.5), first)
+    flat = shape.intersection(closure.window(seam, seam + 1.0, float(heights.min()) - 1.0, float(heights.max()) + 1.0))
     polygons = [p for p in shapely.get_parts(flat) if p.geom_type == "Polygon" and p.area > spot]
     rings = [ring for p in polygons for q in [shapely.orient_polygons(p)] for ring in (q.exterior, *q.interiors)]
-    runs = [run for ring in rings for run in _runs(np.asarray(ring.coords)[:-1], seam, period)]
+    runs = [run for ring in rings for run in _runs(np.asarray(ring.coords)[:-1], seam, closure)]
     if thin:
         runs = [np.asarray(shapely.LineString(run).simplify(thin).coords) for run in runs]
     closed = [bool((run[0] == run[-1]).all()) for run in runs]
     whole = [Outlined(run, 0) for run, shut in zip(runs, closed, strict=True) if shut and len(run) > 3]
-    return whole + _stitched([run for run, shut in zip(runs, closed, strict=True) if not shut], seam, period)
+    return whole + _stitched([run for run, shut in zip(runs, closed, strict=True) if not shut], seam, closure)
 
 
-def _free_place(shape: Geometry, first: float, period: float) -> float:
-    """A kappa in [first, first + period) as far from all corners as can be."""
-    import shapely
-
-    corners = np.sort(np.remainder(shapely.get_coordinates(shape)[:, 0], period))
-    gaps = np.diff(np.append(corners, corners[0] + period))
+def _free_place(turns: Array, first: float) -> float:
+    """A place in [first, first + 1) turns as far from all corners, at `turns` (n,), as can be."""
+    corners = np.sort(np.remainder(turns, 1.0))
+    gaps = np.diff(np.append(corners, corners[0] + 1.0))
     place = float(corners[gaps.argmax()] + 0.5 * gaps.max())
-    return place - period * math.floor((place - first) / period)
+    return place - math.floor(place - first)
 
 
-def _runs(ring: Array, seam: float, period: float) -> list[Array]:
+def _runs(ring: Array, seam: float, closure: Closure) -> list[Array]:
     """Stretches (n, 2) of a closed ring that do not run along a side of the chart; a closed one repeats its first point."""
-    following = np.roll(ring, -1, axis=0)
-    on = np.abs(np.abs(ring[:, 0] - seam - 0.5 * period) - 0.5 * period) < 1e-9
-    after = np.abs(np.abs(following[:, 0] - seam - 0.5 * period) - 0.5 * period) < 1e-9
-    along = on & after & (np.abs(following[:, 0] - ring[:, 0]) < 1e-9)
+    turns = closure.turns_near(ring, seam + 0.5)
+    following = np.roll(turns, -1)
+    beside = ON_SIDE / closure.ring_lengths(closure.heights_of(ring))
+    on, after = (np.abs(np.abs(t - seam - 0.5) - 0.5) < beside for t in (turns, following))
+    along = on & after & (np.abs(following - turns) < beside)
     if not along.any():
         return [np.concatenate([ring, ring[:1]])]
     # begin behind a segment along a side, then cut at every other one
@@ -80,16 +85,19 @@ def _runs(ring: Array, seam: float, period: float) -> list[Array]:
     return [part for part in np.split(ring, cuts + 1) if len(part) > 1]
 
 
-def _stitched(runs: list[Array], seam: float, period: float) -> list[Outlined]:
+def _stitched(runs: list[Array], seam: float, closure: Closure) -> list[Outlined]:
     """Runs from side to side of the chart, each followed by the one that goes on from its end on the other side."""
     starts, ends = (np.array([run[k] for run in runs]).reshape(-1, 2) for k in (0, -1))
+    (begin_at, begin_high), (end_at, end_high) = (
+        (closure.turns_near(points, seam + 0.5) - seam, closure.heights_of(points)) for points in (starts, ends)
+    )
     follower = np.full(len(runs), -1)
-    for side in (0.0, period):
-        ending = np.flatnonzero(np.abs(ends[:, 0] - seam - side) < 0.25 * period)
-        beginning = np.flatnonzero(np.abs(starts[:, 0] - seam - period + side) < 0.25 * period)
-        ending, beginning = ending[ends[ending, 1].argsort()], beginning[starts[beginning, 1].argsort()]
-        if len(ending) != len(beginning) or np.any(np.abs(ends[ending, 1] - starts[beginning, 1]) > SAME_PLACE):
-            raise LayerError(f"an outline does not close over the seam at kappa {seam:g} mm")
+    for side in (0.0, 1.0):
+        ending = np.flatnonzero(np.abs(end_at - side) < 0.25)
+        beginning = np.flatnonzero(np.abs(begin_at - 1.0 + side) < 0.25)
+        ending, beginning = ending[end_high[ending].argsort()], beginning[begin_high[beginning].argsort()]
+        if len(ending) != len(beginning) or np.any(np.abs(end_high[ending] - begin_high[beginning]) > SAME_PLACE):
+            raise LayerError(f"an outline does not close over the seam, {360.0 * seam:g} degrees round")
         follower[ending] = beginning
     out, used = [], np.zeros(len(runs), dtype=bool)
     for begin in range(len(runs)):
@@ -98,9 +106,9 @@ def _stitched(runs: list[Array], seam: float, period: float) -> list[Outlined]:
         chain, turns, i = [runs[begin][:1]], 0, begin
         while not used[i]:
             used[i] = True
-            chain.append(runs[i][1:] + np.array([turns * period, 0.0]))
-            turns += 1 if ends[i, 0] > seam + 0.5 * period else -1
+            chain.append(closure.moved(runs[i][1:], turns))
+            turns += 1 if end_at[i] > 0.5 else -1
             i = int(follower[i])
-        chain[-1][-1] = runs[begin][0] + np.array([turns * period, 0.0])
+        chain[-1][-1] = closure.moved(runs[begin][0], turns)
         out.append(Outlined(np.concatenate(chain), turns))
     return out

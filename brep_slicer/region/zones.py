@@ -7,7 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from brep_slicer.curves import LineCurve, Loop
+from brep_slicer.layers import Sheet
 
 from .overlay import difference_of_regions, union_of_regions
 from .region import Region, region_from_loops
@@ -34,17 +37,18 @@ def outside_of_zones(region: Region, zones: Sequence[tuple[float, float]]) -> Re
                 kept.append(piece)
             elif share < WHOLLY:
                 cut.append(piece)
-        rest = Region(radius=region.radius, pieces=tuple(kept), touch=region.touch)
+        rest = Region(sheet=region.sheet, pieces=tuple(kept), touch=region.touch)
         if cut:
-            parted = difference_of_regions(Region(radius=region.radius, pieces=tuple(cut)), _ring(region.radius, low, high))
-            rest = union_of_regions(region.radius, [rest, parted])
+            parted = difference_of_regions(Region(sheet=region.sheet, pieces=tuple(cut)), _ring(region.sheet, low, high))
+            rest = union_of_regions(region.sheet, [rest, parted])
         region = rest
     return region
 
 
-def _ring(radius: float, low: float, high: float) -> Region:
+def _ring(sheet: Sheet, low: float, high: float) -> Region:
     """The whole turn between two heights."""
-    turn = Region(radius=radius).period
-    below = Loop(curves=(LineCurve.between((0.0, low), (turn, low)),), radius=radius, winding=1)
-    above = Loop(curves=(LineCurve.between((turn, high), (0.0, high)),), radius=radius, winding=-1)
-    return region_from_loops(radius, [below, above])
+    below, above = (
+        LineCurve(p0=start, p1=sheet.closure.moved(start, 1)) for start in (np.array([0.0, height]) for height in (low, high))
+    )
+    loops = [Loop(curves=(below,), sheet=sheet, winding=1), Loop(curves=(above.reversed(),), sheet=sheet, winding=-1)]
+    return region_from_loops(sheet, loops)

@@ -16,6 +16,7 @@ import numpy as np
 
 from brep_slicer.curves import Loop
 from brep_slicer.errors import LayerError
+from brep_slicer.layers import cylinder
 from brep_slicer.maps import TURN, Array
 
 from .certificate import Certificate, Engine
@@ -61,13 +62,13 @@ def section_by_boolean(solid: Any, radius: float, *, critical: Array, gap: float
     """
     used = clear_radius(radius, critical)
     loops, certificate = _cut(solid, used, gap)
-    loops = [loop.on_radius(radius) for loop in loops]
+    loops = [loop.on_sheet(cylinder(radius)) for loop in loops]
     if used == radius:
         return loops, certificate
     if not loops and np.any((critical > radius + COINCIDENT) & (critical < used)):
         raise LayerError(f"what the section at radius {radius:.9g} mm holds ends before the next radius that OCCT can cut at")
     farther = _farther(radius, used, critical)
-    far = [loop.on_radius(radius) for loop in _cut(solid, farther, gap)[0]]
+    far = [loop.on_sheet(cylinder(radius)) for loop in _cut(solid, farther, gap)[0]]
     moved = moved_by_step(loops, far, (abs(used - radius), abs(farther - radius)))
     return loops, replace(certificate, residual=max(certificate.residual, moved), coincident=True)
 
@@ -116,7 +117,7 @@ def _cut_once(solid: Any, used: float, seam: float, gap: float) -> tuple[list[Lo
         Arc(curve=curve_on_cylinder(u.curve, u.first, u.last, used, forward=u.forward), start=u.start, end=u.end)
         for u in whole.uses
     ]
-    loops = loops_from_arcs(used, arcs)
+    loops = loops_from_arcs(cylinder(used), arcs)
     area, length = sum(loop.signed_area() for loop in loops), sum(loop.length() for loop in loops)
     halves = sum(
         common_with_cylinder(solid, used, seam=seam + 1.0 + k * math.pi, turn=math.pi, heights=heights).area for k in (0, 1)

@@ -1,6 +1,6 @@
 """Curves with named ends, chained into closed loops by identity.
 
-In: unrolled curves on a cylinder, each from one numbered node to another, material on the left. Out: Loop values.
+In: unrolled curves on a sheet, each from one numbered node to another, material on the left. Out: Loop values.
 
 Words: *node*, a numbered point where one curve ends and the next begins; *jog*, the gap in mm between the two there.
 """
@@ -14,7 +14,8 @@ import numpy as np
 
 from brep_slicer.curves import Curve, Loop
 from brep_slicer.errors import LayerError
-from brep_slicer.maps import TURN, Array
+from brep_slicer.layers import Closure, Sheet
+from brep_slicer.maps import Array
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -26,7 +27,7 @@ class Arc:
     end: int
 
 
-def loops_from_arcs(radius: float, arcs: Sequence[Arc]) -> list[Loop]:
+def loops_from_arcs(sheet: Sheet, arcs: Sequence[Arc]) -> list[Loop]:
     """Follow the arcs from node to node until each loop closes.
 
     Where several arcs leave one node (the outline touches itself there) the sharpest left turn is taken, which keeps
@@ -37,8 +38,7 @@ def loops_from_arcs(radius: float, arcs: Sequence[Arc]) -> list[Loop]:
     LayerError
         If a node has not as many arcs going out as coming in, or a loop does not come back to its start.
     """
-    period = TURN * radius
-    loops = [_closed_loop([arc.curve], radius) for arc in arcs if arc.start < 0]
+    loops = [_closed_loop([arc.curve], sheet) for arc in arcs if arc.start < 0]
     open_arcs = [arc for arc in arcs if arc.start >= 0]
     leaving: dict[int, list[int]] = {}
     for i, arc in enumerate(open_arcs):
@@ -48,7 +48,7 @@ def loops_from_arcs(radius: float, arcs: Sequence[Arc]) -> list[Loop]:
         arriving[arc.end] = arriving.get(arc.end, 0) + 1
     unpaired = [n for n in leaving.keys() | arriving.keys() if len(leaving.get(n, ())) != arriving.get(n, 0)]
     if unpaired:
-        raise LayerError(f"the section at radius {radius:g} mm is open at {len(unpaired)} points")
+        raise LayerError(f"the section at {sheet.label} is open at {len(unpaired)} points")
     used = [False] * len(open_arcs)
     for first in range(len(open_arcs)):
         if used[first]:
@@ -58,21 +58,21 @@ def loops_from_arcs(radius: float, arcs: Sequence[Arc]) -> list[Loop]:
         while True:
             used[i] = True
             arc = open_arcs[i]
-            chain.append(_continued(arc.curve, chain[-1].end if chain else None, period))
+            chain.append(_continued(arc.curve, chain[-1].end if chain else None, sheet.closure))
             choices = [j for j in leaving[arc.end] if not used[j] or j == first]
             i = choices[0] if len(choices) == 1 else _leftmost(arc, choices, open_arcs)
             if i == first:
                 break
-        loops.append(_closed_loop(chain, radius))
+        loops.append(_closed_loop(chain, sheet))
     return loops
 
 
-def _continued(curve: Curve, end: Array | None, period: float) -> Curve:
-    """The lift of a curve that starts where the previous one ended."""
+def _continued(curve: Curve, end: Array | None, closure: Closure) -> Curve:
+    """The copy of a curve that starts where the previous one ended."""
     if end is None:
         return curve
-    turns = round(float(end[0] - curve.start[0]) / period)
-    return curve.shifted(turns * period) if turns else curve
+    turns = float(closure.nearest_turns(curve.start, end))
+    return curve.moved(closure.motion(turns)) if turns else curve
 
 
 def _leftmost(arc: Arc, choices: list[int], arcs: Sequence[Arc]) -> int:
@@ -95,7 +95,6 @@ def _direction(curve: Curve, s: float) -> Array:
     return inner / max(np.hypot(*inner), 1e-300)
 
 
-def _closed_loop(curves: list[Curve], radius: float) -> Loop:
-    period = TURN * radius
-    gap = float(curves[-1].end[0] - curves[0].start[0])
-    return Loop(curves=tuple(curves), radius=radius, winding=round(gap / period))
+def _closed_loop(curves: list[Curve], sheet: Sheet) -> Loop:
+    winding = int(sheet.closure.nearest_turns(curves[0].start, curves[-1].end))
+    return Loop(curves=tuple(curves), sheet=sheet, winding=winding)

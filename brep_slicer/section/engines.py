@@ -18,6 +18,7 @@ import numpy as np
 
 from brep_slicer.curves import Loop
 from brep_slicer.errors import LayerError
+from brep_slicer.layers import cylinder
 from brep_slicer.maps import Array
 
 from .analytic import sections_by_analysis
@@ -112,7 +113,7 @@ class SolidSections:
             (step, *found) for step, found in zip(STEPS.tolist(), outside, strict=True) if not isinstance(found, LayerError)
         ]
         for (step, cut, certificate), (farther, beyond, _) in itertools.pairwise(vouched):
-            loops, far = ([loop.on_radius(radius) for loop in found] for found in (cut, beyond))
+            loops, far = ([loop.on_sheet(cylinder(radius)) for loop in found] for found in (cut, beyond))
             stated = max(certificate.residual, moved_by_step(loops, far, (step, farther)))
             believed = replace(certificate, residual=stated, fallback=reason)
             try:

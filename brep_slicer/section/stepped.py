@@ -38,16 +38,13 @@ def outlines_apart(first: Sequence[Loop], second: Sequence[Loop]) -> float:
 
     worst = 0.0
     for one, other in ((first, second), (second, first)):
-        lines = shapely.MultiLineString([loop.shifted(k).sample(CHORD) for loop in other for k in _lifts(loop)])
+        lines = shapely.MultiLineString([loop.moved(k).sample(CHORD) for loop in other for k in _copies(loop)])
         shapely.prepare(lines)
-        points = np.concatenate([loop.sample(POINTS) for loop in one])
-        period = one[0].period
-        points[:, 0] = np.remainder(points[:, 0] + 0.5 * period, period) - 0.5 * period
+        points = one[0].closure.canonical(np.concatenate([loop.sample(POINTS) for loop in one]))
         worst = max(worst, float(shapely.distance(lines, shapely.points(points)).max()))
     return worst
 
 
-def _lifts(loop: Loop) -> range:
-    """The turns by which a loop may be moved and still meet [-half a turn, half a turn], with one to spare."""
-    k0, _, k1, _ = loop.bounds()
-    return range(int(np.floor(-k1 / loop.period)) - 1, int(np.ceil(-k0 / loop.period)) + 2)
+def _copies(loop: Loop) -> range:
+    """The turns by which a loop may be moved and still lie within a turn from [-half a turn, half a turn]."""
+    return loop.closure.copies_between(loop.bounds(), -1.5, 1.5)

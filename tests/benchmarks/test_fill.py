@@ -86,11 +86,11 @@ def test_travel_against_a_solver(regions, capsys):
     region = regions[30]
     beads = fill_region(region, Hatch(angle=ANGLE), **{**ARGS, "step_over": 3.0}).beads
     start = time.perf_counter()
-    ordered = in_short_order(beads, region.period)
+    ordered = in_short_order(beads, region.closure)
     took = time.perf_counter() - start
     ends = np.array([[b.points[0], b.points[-1]] for b in ordered])
-    ours = travel_of(ends, [(i, False) for i in range(len(ends))], region.period)
-    theirs = by_solver(solver, ends, region.period)
+    ours = travel_of(ends, [(i, False) for i in range(len(ends))], region.closure)
+    theirs = by_solver(solver, ends, region.closure.length)
     with capsys.disabled():
         print(
             f"\n{len(beads)} beads: travel {ours:.1f} mm in {took:.2f} s, OR-tools {theirs:.1f} mm in 20 s: {ours / theirs:.3f}"

@@ -15,6 +15,7 @@ import numpy as np
 
 import brep_slicer as bs
 from brep_slicer.fill import Hatch, fill_region
+from brep_slicer.layers import cylinder
 from brep_slicer.proof import coverage_of, deposit_of
 
 T, D, W, R0 = 1.4, 3.4, 4.9, 150.0
@@ -28,7 +29,7 @@ def main() -> None:
     for layer in layers:
         figures = []
         for scale in (1.0, layer.radius / R0):
-            ground = layer.region.on_radius(layer.radius / scale)
+            ground = layer.region.on_sheet(cylinder(layer.radius / scale))
             fill = fill_region(ground, pattern, step_over=D, width=W, inset=0.0, chord=0.005)
             beads = [replace(b, points=b.points * np.array([scale, 1.0])) for b in fill.beads]
             along = beads[0].points[1] - beads[0].points[0]

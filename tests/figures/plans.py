@@ -79,17 +79,15 @@ def _grown(piece, distance: float, lines, step_over: float) -> float:
 
     from brep_slicer.region import band_between, polygon_from_piece
 
-    period = piece.outer[0].period
-    copies = [points + np.array([k * period, 0.0]) for points in lines for k in (-1, 0, 1)]
+    copies = [piece.closure.moved(points, k) for points in lines for k in (-1, 0, 1)]
     beside = shapely.MultiLineString(copies).buffer(0.5 * step_over, cap_style="square")
     if not piece.winds:
         shape = polygon_from_piece(piece, chord=0.005)
         return shape.union(shape.buffer(distance).intersection(beside)).area
-    cut = float(piece.outer[0].curves[0].start[0])
-    shape = band_between(piece, cut - period, cut + 2.0 * period, chord=0.005)
+    shape = band_between(piece, piece.cut - 1.0, piece.cut + 2.0, chord=0.005)
     grown = shape.union(shape.buffer(distance).intersection(beside))
     _, low, _, high = grown.bounds
-    return grown.intersection(shapely.box(cut, low, cut + period, high)).area
+    return grown.intersection(piece.closure.window(piece.cut, piece.cut + 1.0, low, high)).area
 
 
 def random_plan(rng: np.random.Generator, parts=PARTS) -> tuple[str, Plan]:

@@ -74,13 +74,15 @@ def outline_error(segments: list[Array], layers: list[Layer], radii: Array) -> f
     worst = 0.0
     for i in np.linspace(0, len(radii) - 1, JUDGED_LAYERS).astype(int):
         region = layers[i].region
-        rings = [loop.shifted(k).sample(1e-7) for loop in region.loops for k in (-1, 0, 1)]
+        rings = [loop.moved(k).sample(1e-7) for loop in region.loops for k in (-1, 0, 1)]
         outline = shapely.MultiLineString(rings)
         shapely.prepare(outline)
         flat = segments[i] * np.array([radii[i], 1.0])
         middle = 0.5 * (flat[:, 0] + flat[:, 1])
         points = np.concatenate([flat.reshape(-1, 2), middle])
-        points[:, 0] = np.remainder(points[:, 0] + 0.5 * region.period, region.period) - 0.5 * region.period
+        points[:, 0] = (
+            np.remainder(points[:, 0] + 0.5 * region.closure.length, region.closure.length) - 0.5 * region.closure.length
+        )
         some = points[:: max(1, len(points) // 4000)]
         worst = max(worst, float(shapely.distance(outline, shapely.points(some)).max(initial=0.0)))
     return worst

@@ -5,12 +5,12 @@ In: axes, a layer, its beads. Out: nothing; the axes are drawn on.
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from brep_slicer.fill import LayerFill
+from brep_slicer.layers import NO_CLOSURE
 from brep_slicer.region import Layer
 
 from .page import DEPOSIT, METAL, OUTLINE, TRAVEL
@@ -39,8 +39,8 @@ def draw_layer(axes: Axes, layer: Layer, fill: LayerFill, *, width: float | None
     axes.add_collection(LineCollection(lines, colors=DEPOSIT, linewidths=0.9, zorder=2))
     axes.add_collection(LineCollection(moves_of(layer, fill), colors=TRAVEL, linewidths=0.6, linestyles=(0, (3, 2)), zorder=1))
     if width is not None:
-        half = 0.5 * layer.region.period if is_band(layer) else math.inf
-        strips = [Path.make_compound_path(*map(Path, rings)) for rings in strips_of(lines, width, within=half)]
+        turn = layer.region.closure if is_band(layer) else NO_CLOSURE
+        strips = [Path.make_compound_path(*map(Path, rings)) for rings in strips_of(lines, width, within=turn)]
         broad = PathCollection(strips, facecolors=DEPOSIT, edgecolors=DEPOSIT, linewidths=0.3, alpha=0.22, zorder=1.5)
         axes.add_collection(broad)
         if lines:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from brep_slicer.fill import LayerFill
+from brep_slicer.layers import NO_CLOSURE, Closure
 from brep_slicer.maps import Array, lengths_along
 from brep_slicer.region import Layer
 
@@ -53,8 +54,8 @@ def whole(layer: Layer, fill: LayerFill, *, width: float) -> Shown:
     polygons = metal_of(layer)
     boxes = np.array([polygon.bounds for polygon in polygons])
     low, high = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
-    middle, period, half = 0.5 * float(low[0] + high[0]), layer.region.period, 0.5 * width
-    lines = [_beside(shown(bead.points, layer), middle, period) for bead in fill.beads]
+    middle, closure, half = 0.5 * (low + high), layer.region.closure, 0.5 * width
+    lines = [_beside(shown(bead.points, layer), middle, closure) for bead in fill.beads]
     laid = np.concatenate([np.stack([low + half, high - half]), *lines])
     least, most = np.minimum(low, np.nanmin(laid, axis=0) - half), np.maximum(high, np.nanmax(laid, axis=0) + half)
     if is_band(layer):
@@ -148,17 +149,17 @@ def framed(window: tuple[float, float, float, float], box: tuple[float, float, f
 
 def draw_panel(canvas: Canvas, what: Shown, frame: Frame, *, width: float, large: bool) -> None:
     """Metal, beads at their `width` (mm), their starts; `large` with directions and the ways between."""
-    layer, period = what.layer, what.layer.region.period
-    middle = 0.5 * (what.window[0] + what.window[2])
+    layer, closure = what.layer, what.layer.region.closure
+    middle = _middle(what)
     _draw_metal(canvas, what, frame, rgb(METAL))
-    lines = [_beside(shown(bead.points, layer), middle, period) for bead in what.fill.beads]
-    half = 0.5 * period if is_band(layer) else math.inf
-    for rings in strips_of(lines, max(width - WIDER / frame.scale, 0.1 * width), within=half):
+    lines = [_beside(shown(bead.points, layer), middle, closure) for bead in what.fill.beads]
+    turn = closure if is_band(layer) else NO_CLOSURE
+    for rings in strips_of(lines, max(width - WIDER / frame.scale, 0.1 * width), within=turn):
         canvas.area([frame.places(ring) for ring in rings], rgb(DEPOSIT, BROAD))
     for loop in layer.region.loops:
-        for part in parts_of(_beside(shown(loop.sample(0.02), layer), middle, period)):
+        for part in parts_of(_beside(shown(loop.sample(0.02), layer), middle, closure)):
             canvas.line(frame.places(part), rgb(OUTLINE), 1.2 if large else 1.0)
-    ways = [_beside(way, middle, period) for way in moves_of(layer, what.fill)]
+    ways = [_beside(way, middle, closure) for way in moves_of(layer, what.fill)]
     ends = [frame.places(part[[0, -1]]) for way in ways for part in parts_of(way)]
     if ends and large:
         both = np.array(ends)
@@ -188,21 +189,24 @@ def _draw_metal(canvas: Canvas, what: Shown, frame: Frame, color: tuple[int, ...
         canvas.area([frame.places(ring) for ring in rings], color)
 
 
-def _beside(points: Array, middle: float, period: float) -> Array:
-    """Points whole turns away, as near to `middle` (kappa, mm) as may be."""
-    at = 0.5 * (np.nanmin(points[:, 0]) + np.nanmax(points[:, 0]))
-    return points - np.array([period * round((at - middle) / period), 0.0])
+def _beside(points: Array, middle: Array, closure: Closure) -> Array:
+    """Points whole turns away, as near to `middle` (kappa, v; mm) as may be."""
+    at = 0.5 * (np.nanmin(points, axis=0) + np.nanmax(points, axis=0))
+    return closure.moved(points, closure.nearest_turns(at, middle))
+
+
+def _middle(what: Shown) -> Array:
+    """The middle (kappa, v) of what a panel shows, mm."""
+    return 0.5 * np.array([what.window[0] + what.window[2], what.window[1] + what.window[3]])
 
 
 def _onto(points: Array, what: Shown) -> Array:
     """Points whole turns away, inside of what a panel shows."""
     left, _, right, _ = what.window
-    period = what.layer.region.period
-    low, high = np.nanmin(points[:, 0]), np.nanmax(points[:, 0])
-    slack = 1e-3 * period
-    if low >= left - slack and high <= right + slack:
+    slack = 1e-3 * (right - left)
+    if np.nanmin(points[:, 0]) >= left - slack and np.nanmax(points[:, 0]) <= right + slack:
         return points
-    return points - np.array([period * round((0.5 * (low + high) - 0.5 * (left + right)) / period), 0.0])
+    return _beside(points, _middle(what), what.layer.region.closure)
 
 
 def _draw_arrows(canvas: Canvas, lines: list[Array]) -> None:

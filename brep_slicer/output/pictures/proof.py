@@ -104,8 +104,10 @@ def _window(layer: Layer) -> tuple[float, float, float, float]:
     """What is shown of a layer, (kappa_min, v_min, kappa_max, v_max): its largest piece; of a full band one turn."""
     piece = _shown_piece(layer)
     k0, v0, k1, v1 = piece.bounds()
-    half = 0.5 * layer.region.period
-    return (-half, v0, half, v1) if piece.winds else (k0, v0, k1, v1)
+    if not piece.winds:
+        return k0, v0, k1, v1
+    turn = layer.region.closure.window(-0.5, 0.5, v0, v1).bounds
+    return turn[0], turn[1], turn[2], turn[3]
 
 
 def _shown_piece(layer: Layer) -> Piece:

@@ -11,6 +11,7 @@ from brep_slicer.curves import Loop
 from brep_slicer.errors import LayerError
 from brep_slicer.field import SNAP, EdgeStretches, radial_gradient, radii_of
 from brep_slicer.geometry import Face
+from brep_slicer.layers import cylinder
 from brep_slicer.maps import TURN, Array
 from brep_slicer.section.certificate import Certificate, Engine
 from brep_slicer.section.chain import Arc, loops_from_arcs
@@ -49,7 +50,7 @@ def sections_by_analysis(solid: CutSolid, radii: Array) -> list[tuple[list[Loop]
     for i in np.flatnonzero(radii != asked).tolist():
         section = found[i]
         if not isinstance(section, LayerError):
-            found[i] = [loop.on_radius(float(asked[i])) for loop in section[0]], section[1]
+            found[i] = [loop.on_sheet(cylinder(float(asked[i]))) for loop in section[0]], section[1]
     return found
 
 
@@ -190,7 +191,7 @@ def _certified(
     crossings = [arc.start for arc in arcs if 0 <= arc.start < VERTEX_NODES]
     if len(crossings) != nodes or len(set(crossings)) != nodes:
         raise LayerError(f"{nodes} edge crossings, but {len(crossings)} arcs begin at one")
-    loops = loops_from_arcs(radius, arcs)
+    loops = loops_from_arcs(cylinder(radius), arcs)
     allowed, off = jogs
     jog = max(off, max((loop.jog() for loop in loops), default=0.0))
     if jog > allowed:

@@ -10,7 +10,7 @@ import pytest
 
 import brep_slicer as bs
 from brep_slicer.errors import LayerError
-from brep_slicer.layers import cylinder
+from brep_slicer.layers import Motion, cylinder
 from brep_slicer.notices import NoticeKind
 from brep_slicer.planning.warnings import notices_of_sections
 from brep_slicer.region import Layer, region_from_loops, slicing
@@ -73,8 +73,10 @@ def test_a_gap_that_is_not_in_the_file_is_no_excuse(gap, monkeypatch):
     solid, _ = loops_of_shaft(20.0)
     chained = boolean.loops_from_arcs
 
-    def gaping(radius, arcs):
-        return [replace(loop, curves=(loop.curves[0].shifted(gap), *loop.curves[1:])) for loop in chained(radius, arcs)]
+    aside = Motion(1.0, 0.0, gap, 0.0)
+
+    def gaping(sheet, arcs):
+        return [replace(loop, curves=(loop.curves[0].moved(aside), *loop.curves[1:])) for loop in chained(sheet, arcs)]
 
     monkeypatch.setattr(boolean, "loops_from_arcs", gaping)
     with pytest.raises(LayerError, match="gapes by"):

@@ -111,7 +111,7 @@ def test_beads_round_a_band_end_where_its_chart_does(fixture_step):
     )
     (layer,), (fill,) = plan.layers, plan.fills
     half = 0.5 * layer.region.closure.length
-    strips = strips_of([shown(bead.points, layer) for bead in fill.beads], plan.process.width, within=half)
+    strips = strips_of([shown(bead.points, layer) for bead in fill.beads], plan.process.width, within=layer.region.closure)
     assert max(np.abs(ring[:, 0]).max() for rings in strips for ring in rings) == pytest.approx(half)
     shows = whole(layer, fill, width=plan.process.width)
     assert shows.window[::2] == pytest.approx((-half, half))

@@ -215,7 +215,7 @@ def shifted(k):
 
 def travel(beads):
     ends = np.array([[b.points[0], b.points[-1]] for b in beads])
-    return travel_of(ends, [(i, False) for i in range(len(beads))], TURN)
+    return travel_of(ends, [(i, False) for i in range(len(beads))], cylinder(R).closure)
 
 
 def test_a_plan_proves_itself(fixture_step):

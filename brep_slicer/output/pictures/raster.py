@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from brep_slicer.maps import Array
 
-# Fragments that are worked on at once: what bounds the memory.
-AT_ONCE = 1_000_000
+# Fragments that are worked on at once: some megabytes, which a processor keeps at hand.
+AT_ONCE = 100_000
 # Depths are held as whole numbers of so many steps, beside the number of the triangle in the lower half of 64 bits.
 DEPTH_STEPS, NUMBER_BITS = 1 << 30, 32
 # Triangles of less than this, in pixels, are lines: they have no plane.
@@ -54,15 +54,15 @@ def seen(places: Array, depth: Array, triangles: Array, size: tuple[int, int], *
     numbers = _met(places, triangles, size)
     if not both_sides:
         numbers = numbers[_facing(places, triangles[numbers])]
-    planes = planes_of(places, (depth - low) * scale + 1.0, triangles[numbers])
-    spans = _spans(places, triangles[numbers], size)
-    for of, row, begin, count in spans:
-        pixel = np.repeat(row * size[1] + begin - (np.cumsum(count) - count), count) + np.arange(count.sum())
-        right = planes[of, 1]
-        start = planes[of, 0] + right * (begin + 0.5) + planes[of, 2] * (row + 0.5)
-        z = np.repeat(start, count) + np.repeat(right, count) * (pixel % size[1] - np.repeat(begin, count))
-        steps = np.clip(z, 1.0, DEPTH_STEPS - 1).astype(np.int64)
-        np.maximum.at(keys, pixel, (steps << NUMBER_BITS) | np.repeat(numbers[of], count))
+    planes = planes_of(places, (depth - low) * scale + 1.0, triangles[numbers]).T.copy()
+    for of, row, begin, count in _spans(places, triangles[numbers], size):
+        before = np.cumsum(count) - count
+        span = np.repeat(np.arange(len(count)), count)
+        step = np.arange(len(span)) - before[span]
+        base, right, down = (column[of] for column in planes)
+        z = (base + right * (begin + 0.5) + down * (row + 0.5))[span] + right[span] * step
+        key = np.clip(z, 1.0, DEPTH_STEPS - 1, out=z).astype(np.int64) << NUMBER_BITS
+        np.maximum.at(keys, (row * size[1] + begin)[span] + step, key | numbers[of][span])
     hit = keys > 0
     return Seen(
         triangle=np.where(hit, keys & ((1 << NUMBER_BITS) - 1), -1),
@@ -114,43 +114,30 @@ def _met(places: Array, triangles: Array, size: tuple[int, int]) -> NDArray[np.i
 
 
 def _spans(places: Array, triangles: Array, size: tuple[int, int]) -> list[tuple[Array, Array, Array, Array]]:
-    """(triangle, row, first column, number of columns) of every row in every triangle, in lists that memory can hold."""
+    """(triangle, row, first column, number of columns) of every row in every triangle, in lists that are soon done."""
     height, width = size
-    x, y = ([column[triangles[:, k]] for k in range(3)] for column in places.T)
-    first = np.clip(np.ceil(np.minimum(np.minimum(y[0], y[1]), y[2]) - 0.5), 0, height).astype(int)
-    last = np.clip(np.ceil(np.maximum(np.maximum(y[0], y[1]), y[2]) - 0.5), 0, height).astype(int)
+    x, y = places.T
+    rank = np.stack([y[triangles[:, k]] for k in range(3)])
+    low, high = rank.argmin(axis=0), rank.argmax(axis=0)
+    # those whose corners are level have no rows
+    low, middle, high = (triangles[np.arange(len(triangles)), k] for k in (low, np.minimum(3 - low - high, 2), high))
+    first, last = (np.clip(np.ceil(y[k] - 0.5), 0, height).astype(int) for k in (low, high))
     rows = last - first
     of = np.repeat(np.arange(len(triangles)), rows)
-    row = np.arange(len(of)) - np.repeat(np.cumsum(rows) - rows, rows) + first[of]
-    begin, end = _ends_of_spans(x, y, of, row + 0.5)
-    begin = np.clip(np.ceil(begin - 0.5), 0, width).astype(int)
-    count = np.clip(np.ceil(end - 0.5), 0, width).astype(int) - begin
+    row = np.arange(len(of)) - (np.cumsum(rows) - rows - first)[of]
+    # each row meets the side from the lowest to the highest corner, and one of the two others
+    at, k = row + 0.5, len(triangles)
+    start = np.concatenate([low, middle, low])
+    way_x, way_y = x[np.concatenate([middle, high, high])] - x[start], y[np.concatenate([middle, high, high])] - y[start]
+    lean = way_x / np.where(way_y == 0.0, np.inf, way_y)
+    a, b = (x[start][s] + (at - y[start][s]) * lean[s] for s in (of + k * (at >= y[middle][of]), of + 2 * k))
+    begin = np.clip(np.ceil(np.minimum(a, b) - 0.5), 0, width).astype(int)
+    count = np.clip(np.ceil(np.maximum(a, b) - 0.5), 0, width).astype(int) - begin
     some = count > 0
     of, row, begin, count = of[some], row[some], begin[some], count[some]
     total = np.cumsum(count)
     cuts = np.searchsorted(total, np.arange(AT_ONCE, total[-1] if len(total) else 0, AT_ONCE))
     return list(zip(*(np.split(column, cuts) for column in (of, row, begin, count)), strict=True))
-
-
-def _ends_of_spans(x: list[Array], y: list[Array], of: Array, middle: Array) -> tuple[Array, Array]:
-    """Where rows enter and leave their triangles, in pixels from the left; each row meets two sides, or none.
-
-    `x` and `y` are the corners', `middle` is the height of each row.
-    """
-    begin, end = np.full(len(middle), np.inf), np.full(len(middle), -np.inf)
-    above = [y[k][of] <= middle for k in range(3)]
-    for k in range(3):
-        p, q = k, (k + 1) % 3
-        rise = y[q] - y[p]
-        lean = (x[q] - x[p]) / np.where(rise == 0.0, np.inf, rise)
-        met = np.flatnonzero(above[p] != above[q])
-        side = of[met]
-        at = x[p][side] + (middle[met] - y[p][side]) * lean[side]
-        begin[met] = np.minimum(begin[met], at)
-        end[met] = np.maximum(end[met], at)
-    none = begin > end
-    begin[none] = end[none] = 0.0
-    return begin, end
 
 
 def dots_on_lines(places: Array, depth: Array, pairs: Array, size: tuple[int, int]) -> tuple[Array, Array]:

@@ -41,6 +41,8 @@ LIGHT, AMBIENT, GLOSS = np.array([-0.42, 0.34, 0.842]), 0.48, 0.16
 EDGE, EDGE_STRENGTH, TRAVEL_STRENGTH = np.array([0.22, 0.22, 0.24]), 0.75, 0.8
 # Lines lie on surfaces: they count as in front of what hides them by less than this share of the page's width.
 LINE_SLACK = 4e-3
+# In the middle of a bead and beside it, in widths.
+BESIDE = ((0.0, 0.0), (0.4, 0.4), (0.4, -0.4), (-0.4, 0.4), (-0.4, -0.4))
 # A bead narrower than this is too small for a fine profile to be seen, pixels.
 SMALL_BEAD = 24.0
 # Half a side of the square that holds the three directions, pixels.
@@ -94,12 +96,13 @@ def rendered(plan: Plan, mesh: Mesh, view: View, size: tuple[int, int]) -> Array
     scale, view = _fitted(view, size)
     page = seen(*_placed(view, mesh, scale), mesh.triangles, size)
     slant = slant_of(mesh, view)[page.triangle]
-    beads = _beads(plan, view, scale, page.depth, slant, size)
-    # a bead has no underside of its own
-    tracks = seen(*_placed(view, beads, scale), beads.triangles, size, both_sides=True)
     # beads lie below the part's own surface by what their outline stays inside of it, and the facets outside
     slack = 0.5 * (plan.process.width + plan.process.step_over) + max((la.thickness or 0.0) for la in plan.layers)
-    on_top = (tracks.triangle >= 0) & (tracks.depth > page.depth - slack * slant)
+    surface = page.depth - slack * slant
+    beads = _beads(plan, view, scale, surface, size)
+    # a bead has no underside of its own
+    tracks = seen(*_placed(view, beads, scale), beads.triangles, size, both_sides=True)
+    on_top = (tracks.triangle >= 0) & (tracks.depth > surface)
     colors = np.ones((size[0] * size[1], 3))
     _shade(colors, view, mesh, page, (page.triangle >= 0) & ~on_top, scale, size)
     _shade(colors, view, beads, tracks, on_top, scale, size)
@@ -130,16 +133,19 @@ def _placed(view: View, mesh: Mesh, scale: float) -> tuple[Array, Array]:
     return view.places(mesh.points, scale), along(mesh.points, view.towards)
 
 
-def _beads(plan: Plan, view: View, scale: float, depth: Array, slant: Array, size: tuple[int, int]) -> Mesh:
-    """The beads that are not buried: those with some of their length near the metal that is seen there."""
+def _beads(plan: Plan, view: View, scale: float, surface: Array, size: tuple[int, int]) -> Mesh:
+    """The beads that are not buried: those with some of their length above a `surface` of depths, or near it."""
     width, (high, wide) = plan.process.width, size
-    tracks = stretches_of(plan, max(1.5 * width, 12.0 / scale))
+    longest = max(1.5 * width, 12.0 / scale)
+    tracks = stretches_of(plan, longest)
     middle = 0.5 * (tracks.a + tracks.b)
     place = view.places(middle, scale)
     room = 2.0 * width * scale
     on_page = ((place > -room) & (place < np.array([wide, high]) + room)).all(axis=1)
-    pixel = np.clip(place[:, 1], 0, high - 1).astype(int) * wide + np.clip(place[:, 0], 0, wide - 1).astype(int)
-    near = along(middle, view.towards) > depth[pixel] - 3.0 * width * slant[pixel]
+    # the surface there, or as far beside it as a bead reaches
+    at = [np.clip(place + width * scale * np.array(way), 0, [wide - 1, high - 1]).astype(int) for way in BESIDE]
+    lowest = np.min([surface[y * wide + x] for x, y in (each.T for each in at)], axis=0)
+    near = along(middle, view.towards) > lowest - 0.5 * (longest + width)
     profile = FINE_PROFILE if width * scale > SMALL_BEAD else PLAIN_PROFILE
     return bead_mesh(plan, tracks, np.flatnonzero(on_page & near), profile)
 
@@ -157,7 +163,10 @@ def _shade(colors: Array, view: View, mesh: Mesh, page: Seen, where: Array, scal
         for way in (light, halfway / np.linalg.norm(halfway))
     )
     bright = AMBIENT + (1.0 - AMBIENT) * lit
-    colors[pixel] = mesh.colors[used[owner]] * bright[:, None] + (GLOSS * gloss**24)[:, None]
+    # the 24th power, by squares
+    gloss = (gloss * gloss) ** 2
+    gloss = gloss**2 * gloss**2 * gloss**2
+    colors[pixel] = mesh.colors[used[owner]] * bright[:, None] + (GLOSS * gloss)[:, None]
 
 
 def _smoothed(image: Array) -> Array:

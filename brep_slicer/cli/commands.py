@@ -251,10 +251,10 @@ def plan(
 ) -> None:
     """Plan the deposition of a part: toolpath.csv, toolpath.json, report.json, layers.png, toolpath.png."""
     from brep_slicer.output.atomic import ensure_folder
-    from brep_slicer.output.report import summary_of_sections
     from brep_slicer.output.write import write_plan, write_report
     from brep_slicer.planning import check_complete, cut_layers, fill_layers
     from brep_slicer.planning.estimate import estimate_of
+    from brep_slicer.planning.report import summary_of_sections
 
     given = {
         "layer_thickness": layer_thickness,

@@ -10,11 +10,12 @@ from .cladding import Helix, Rings
 from .closing import with_overlap, with_spread_starts
 from .contours import Contours
 from .cooling import CooledOrder, in_cool_order
+from .fill_region import fill_region
 from .flank import FlankFollowing, flank_direction
 from .hatch import Hatch
 from .metal import metal_of
 from .order import in_short_order
-from .pattern import Cell, CellFill, Pattern, PatternSequence, fill_region
+from .pattern import Cell, CellFill, Pattern, PatternSequence
 from .skeleton import Skeleton
 from .spacing import with_speed_by_spacing
 from .spiral import Spiral

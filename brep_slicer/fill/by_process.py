@@ -24,10 +24,11 @@ from .cladding import Helix, Rings
 from .closing import with_overlap, with_spread_starts
 from .contours import Contours
 from .cooling import in_cool_order
+from .fill_region import fill_region
 from .flank import FlankFollowing
 from .hatch import Hatch
 from .order import in_short_order_by_pieces
-from .pattern import Pattern, PatternSequence, fill_region
+from .pattern import Pattern, PatternSequence
 from .skeleton import Skeleton
 from .spacing import with_speed_by_spacing
 from .spiral import Spiral

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 
 from brep_slicer.curves import LineCurve
 from brep_slicer.errors import InputError
+from brep_slicer.planning.report import header_of_plan
 from brep_slicer.region import Layer
 
 from .atomic import write_whole
-from .report import header_of_plan
 
 if TYPE_CHECKING:
     from brep_slicer.planning import Plan

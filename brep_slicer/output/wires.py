@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from brep_slicer.planning.report import header_of_plan
+
 from .atomic import write_whole
-from .report import header_of_plan
 
 if TYPE_CHECKING:
     from brep_slicer.planning import Plan

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from brep_slicer.planning import check_complete
+from brep_slicer.planning.report import header_of_plan
 
 from .atomic import ensure_folder, write_text
 from .pictures import draw_layers, draw_toolpath
-from .report import header_of_plan
 from .tables import csv_metadata, tables_from_toolpath
 
 if TYPE_CHECKING:

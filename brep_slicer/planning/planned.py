@@ -21,6 +21,8 @@ from brep_slicer.substrate.radius import Substrate
 from brep_slicer.toolpath import Toolpath
 from brep_slicer.wording import counted, in_words_of_length, shortened
 
+from .report import report_of_plan
+
 Progress = Callable[[int, int], None]
 
 
@@ -59,8 +61,6 @@ class PlanSections:
 
     def report(self) -> dict[str, Any]:
         """Everything that report.json says, as plain values."""
-        from brep_slicer.output.report import report_of_plan
-
         return report_of_plan(self)
 
 
@@ -76,6 +76,10 @@ class Plan(PlanSections):
         laid = float(self.toolpath.segment_lengths()[self.toolpath.deposits].sum())
         beads = counted(sum(len(fill.beads) for fill in self.fills), "bead")
         return f"Plan({self._in_short()}, {beads}, {in_words_of_length(laid)}, {counted(len(self.notices), 'warning')})"
+
+    def report(self) -> dict[str, Any]:
+        """Everything that report.json says, as plain values."""
+        return report_of_plan(self, self.fills, self.toolpath)
 
     def proof(self, progress: Progress | None = None) -> list[dict[str, Any]]:
         """How even the metal is, a row a layer: coverage, simulated deposit, step-over on the emitted points, duty.

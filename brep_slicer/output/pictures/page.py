@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from brep_slicer.output.atomic import write_whole
-from brep_slicer.output.report import header_of_plan
+from brep_slicer.planning.report import header_of_plan
 
 if TYPE_CHECKING:
     from PIL.Image import Image

@@ -1,20 +1,22 @@
-"""report.json: what was planned, from what, with which checks.
+"""What a plan says of itself: what was planned, from what, with which checks; report.json has it as it is.
 
-In: a Plan, or the sections of one that failed before it was filled. Out: plain values.
+In: the sections of a plan, with their fills and the toolpath where there are any. Out: plain values.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from brep_slicer.planning import Plan
 from brep_slicer.region import FailedLayer, Layer
 from brep_slicer.version import version
 
 if TYPE_CHECKING:
     from brep_slicer.fill import LayerFill
-    from brep_slicer.planning import PlanSections
+    from brep_slicer.toolpath import Toolpath
+
+    from .planned import PlanSections
 
 
 def header_of_plan(plan: PlanSections) -> dict[str, Any]:
@@ -30,9 +32,9 @@ def header_of_plan(plan: PlanSections) -> dict[str, Any]:
     }
 
 
-def report_of_plan(plan: PlanSections) -> dict[str, Any]:
-    """The report as plain values (no NaN: what is not known is null)."""
-    layers = _layers(plan)
+def report_of_plan(plan: PlanSections, fills: Sequence[LayerFill] = (), toolpath: Toolpath | None = None) -> dict[str, Any]:
+    """The report as plain values (no NaN: what is not known is null); `fills` are those of the layers, if they are filled."""
+    layers = _layers(plan, fills, toolpath)
     total = {
         key: math.fsum(layer[key] for layer in layers if layer.get(key) is not None)
         for key in ("deposition_length_mm", "travel_length_mm", "deposition_time_s", "travel_time_s")
@@ -91,12 +93,10 @@ def powder_mass(plan: PlanSections, seconds: float) -> float | None:
     return None if feed is None else feed * seconds
 
 
-def _layers(plan: PlanSections) -> list[dict[str, Any]]:
+def _layers(plan: PlanSections, fills: Sequence[LayerFill], toolpath: Toolpath | None) -> list[dict[str, Any]]:
     """A row a layer, in their order, those that failed too; without beads where nothing has been filled."""
-    paths, fills = {}, {}
-    if isinstance(plan, Plan):
-        paths = {row["layer"]: row for row in plan.toolpath.summary_by_layer()}
-        fills = {layer.index: fill for layer, fill in zip(plan.layers, plan.fills, strict=True)}
+    paths = {row["layer"]: row for row in toolpath.summary_by_layer()} if toolpath is not None else {}
+    fill_of = dict(zip((layer.index for layer in plan.layers), fills, strict=bool(fills)))
     every: list[Layer | FailedLayer] = [*plan.layers, *plan.failed]
     out = []
     for layer in sorted(every, key=lambda layer: layer.index):
@@ -108,8 +108,8 @@ def _layers(plan: PlanSections) -> list[dict[str, Any]]:
             "failed": layer.failed,
         }
         row |= {"reason": layer.reason} if isinstance(layer, FailedLayer) else _row(layer)
-        if layer.index in fills:
-            row |= _fill_row(fills[layer.index], paths.get(layer.index, {}))
+        if layer.index in fill_of:
+            row |= _fill_row(fill_of[layer.index], paths.get(layer.index, {}))
         out.append(row)
     return out
 

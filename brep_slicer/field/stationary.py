@@ -39,6 +39,8 @@ SINGULAR = 1e-7
 MOST_DOUBTS = 12
 # Steps of Newton towards a multiple root, each of which takes a third of the way at least.
 CREEPS = 60
+# Moves of this share of the face's box are rounding.
+STILL = 1e-13
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -297,10 +299,14 @@ def _crept(face: Face, uv: Array) -> Array:
         return np.stack([(p[:, :2] * su[:, :2]).sum(axis=1) * size[0], (p[:, :2] * sv[:, :2]).sum(axis=1) * size[1]], axis=1)
 
     at, h = uv.copy(), 1e-5
+    beside = h * size * np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
     for _ in range(CREEPS):
-        j = np.stack([(slope(at + h * e * size) - slope(at - h * e * size)) / (2.0 * h) for e in np.eye(2)], axis=2)
-        move = -np.einsum("nij,nj->ni", np.linalg.pinv(j, rcond=1e-8), slope(at))
+        here, east, west, north, south = slope((at + beside[:, None]).reshape(-1, 2)).reshape(5, -1, 2)
+        j = np.stack([east - west, north - south], axis=2) / (2.0 * h)
+        move = -np.einsum("nij,nj->ni", np.linalg.pinv(j, rcond=1e-8), here)
         at = np.clip(at + np.clip(move, -0.05, 0.05) * size, face.box[0], face.box[1])
+        if np.abs(move).max() <= STILL:
+            break
     _, su, sv = face.surface.derivatives(at)
     reach = np.linalg.norm(su, axis=1) * size[0] + np.linalg.norm(sv, axis=1) * size[1]
     return at[np.linalg.norm(slope(at), axis=1) <= 1e-9 * reach**2]

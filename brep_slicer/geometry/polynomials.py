@@ -24,6 +24,9 @@ def bezier_spans(knots: Array, poles: Array, degree: int) -> tuple[Array, Array]
     """
     poles = np.asarray(poles, dtype=np.float64)
     breaks = np.unique(knots[degree : len(knots) - degree])
+    if len(poles) == degree * (len(breaks) - 1) + 1:
+        # every knot is as multiple as it can be: the poles are the control points
+        return breaks, poles[degree * np.arange(len(breaks) - 1)[:, None] + np.arange(degree + 1)]
     last = np.searchsorted(knots, breaks[:-1], side="right") - 1
     # d: (span, control point, local pole, ...)
     local = poles[last[:, None] - degree + np.arange(degree + 1)]

@@ -113,9 +113,14 @@ class Loop:
 
     def sample(self, chord: float) -> Array:
         """Points (n, 2) once round, within `chord` (mm) of the curves; the first is repeated (a turn on) at the end."""
-        parts = [curve.sample(chord)[:-1] for curve in self.curves]
-        first = self.closure.moved(parts[0][0], self.winding)
-        return np.concatenate([*parts, first[None, :]])
+        known = self._known.get("sample")
+        if known is None or known[0] != chord:
+            parts = [curve.sample(chord)[:-1] for curve in self.curves]
+            first = self.closure.moved(parts[0][0], self.winding)
+            points = np.concatenate([*parts, first[None, :]])
+            points.flags.writeable = False
+            known = self._known["sample"] = chord, points
+        return known[1]
 
     def moved(self, turns: int) -> Loop:
         """The copy `turns` turns further on."""

@@ -134,7 +134,7 @@ def fill_layer(layer: Layer, process: Process, pattern: PatternChoice | None = N
         fill = replace(fill, beads=with_spread_starts(fill.beads, layer.index), copies=())
     fill = _at_its_speed(layer, fill, process)
     if process.order is Order.SHORTEST:
-        fill = replace(fill, beads=_in_short_order(fill.beads, layer, process))
+        fill = replace(fill, beads=_in_short_order(fill, layer, process))
     if process.rest_s:
         fill = _cooled(fill, process)
     if process.alternate and layer.index % 2 == 1:
@@ -146,9 +146,10 @@ def fill_layer(layer: Layer, process: Process, pattern: PatternChoice | None = N
     return replace(fill, beads=beads, metal=metal, notes=(*fill.notes, *_off_balance(metal), *_bare_lobes(fill)))
 
 
-def _in_short_order(beads: tuple[Bead, ...], layer: Layer, process: Process) -> tuple[Bead, ...]:
+def _in_short_order(fill: LayerFill, layer: Layer, process: Process) -> tuple[Bead, ...]:
     reach = TOGETHER * process.step_over
-    return in_short_order_by_pieces(beads, layer.region.closure, reach=reach, turned=process.both_ways)
+    closure, copies = layer.region.closure, fill.copies
+    return in_short_order_by_pieces(fill.beads, closure, reach=reach, turned=process.both_ways, copies=copies)
 
 
 def _chosen(process: Process, choose: PatternChoice, layer: int, piece: Piece) -> Pattern:

@@ -39,14 +39,17 @@ def in_short_order(beads: Sequence[Bead], closure: Closure, *, turned: bool = Tr
     order = _greedy(ends, closure, free)
     if turned:
         order = _improved(ends, order, closure)
-    return tuple(beads[i] if not back else beads[i].reversed() for i, back in order)
+    return tuple(_in_order(beads, order))
 
 
-def in_short_order_by_pieces(beads: Sequence[Bead], closure: Closure, *, reach: float, turned: bool = True) -> tuple[Bead, ...]:
+def in_short_order_by_pieces(
+    beads: Sequence[Bead], closure: Closure, *, reach: float, turned: bool = True, copies: Sequence[int] = ()
+) -> tuple[Bead, ...]:
     """A layer's beads reordered: piece by piece, in each one kind after the other as its pattern has them.
 
     Beads that follow one another within `reach` (mm) in the pattern's own order stay together, as the lines of a hatch do. A
-    piece that has one kind of beads only may be laid backwards, if they may be `turned`.
+    piece that has one kind of beads only may be laid backwards, if they may be `turned`. Of equal pieces (`copies` says for each the
+    first one) the order is looked for once.
     """
     if len(beads) < 3:
         return tuple(beads)
@@ -55,10 +58,14 @@ def in_short_order_by_pieces(beads: Sequence[Bead], closure: Closure, *, reach: 
         stages.setdefault(bead.piece, {}).setdefault(bead.kind, []).append(bead)
     chains: list[list[Bead]] = []
     free = []
-    for kinds in stages.values():
+    found: dict[tuple[int, BeadKind, int], Order] = {}
+    for piece, kinds in stages.items():
         chain: list[Bead] = []
-        for mine in kinds.values():
-            chain += _of_one_kind(mine, chain[-1] if chain else None, closure, reach, turned)
+        for kind, mine in kinds.items():
+            same = (copies[piece] if copies else piece, kind, len(mine))
+            if same not in found:
+                found[same] = _of_one_kind(mine, chain[-1] if chain else None, closure, reach, turned)
+            chain += _in_order(mine, found[same])
         chains.append(chain)
         free.append(turned and len(kinds) == 1)
     ends = np.array([[chain[0].points[0], chain[-1].points[-1]] for chain in chains])
@@ -68,14 +75,14 @@ def in_short_order_by_pieces(beads: Sequence[Bead], closure: Closure, *, reach: 
     return tuple(b for i, back in order for b in (_backwards(chains[i]) if back else chains[i]))
 
 
-def _of_one_kind(beads: list[Bead], before: Bead | None, closure: Closure, reach: float, turned: bool) -> list[Bead]:
-    """Beads of one kind in one piece, from the end of the bead `before` on."""
+def _of_one_kind(beads: list[Bead], before: Bead | None, closure: Closure, reach: float, turned: bool) -> Order:
+    """The order of beads of one kind in one piece, from the end of the bead `before` on."""
     ends = _ends_of(beads)
     # where the next bead starts beside this one's end, as in a hatch both ways, the two are one
     near = closure.distances(ends[:-1, 1], ends[1:, 0]) <= reach
     runs = np.split(np.arange(len(beads)), np.flatnonzero(~near) + 1)
     if len(runs) == 1 and before is None:
-        return beads
+        return [(i, False) for i in range(len(beads))]
     outer = np.array([[ends[run[0], 0], ends[run[-1], 1]] for run in runs])
     if before is not None:
         # the bead before stands first, as a run of no length
@@ -84,11 +91,15 @@ def _of_one_kind(beads: list[Bead], before: Bead | None, closure: Closure, reach
     if turned and 2 < len(order) <= MOST_IMPROVED:
         order = _improved(outer, order, closure)
     skip = 0 if before is None else 1
-    out: list[Bead] = []
+    out: Order = []
     for i, back in order[skip:]:
-        chain = [beads[k] for k in runs[i - skip]]
-        out += _backwards(chain) if back else chain
+        run = runs[i - skip].tolist()
+        out += [(k, back) for k in (run[::-1] if back else run)]
     return out
+
+
+def _in_order(beads: Sequence[Bead], order: Order) -> list[Bead]:
+    return [beads[i].reversed() if back else beads[i] for i, back in order]
 
 
 def _backwards(chain: list[Bead]) -> list[Bead]:

@@ -13,14 +13,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from brep_slicer.maps import TURN, Array
 
 if TYPE_CHECKING:
-    from shapely import Geometry, Polygon
+    from shapely import Polygon
 
 # Segments in which the sides of a window are drawn a turn, where they are arcs: the window is cut outside of what it holds.
 ARC_SEGMENTS = 720
@@ -63,13 +63,11 @@ class Motion(NamedTuple):
         x, y = vectors[..., 0], vectors[..., 1]
         return np.stack([x * self.cos + y * self.sin, y * self.cos - x * self.sin], axis=-1)
 
-    def shape(self, shape: Geometry) -> Geometry:
-        """A shapely geometry, moved."""
-        from shapely.affinity import affine_transform, translate
+    def shape(self, shape: Any) -> Any:
+        """A shapely geometry, or an array of them, moved."""
+        import shapely
 
-        if self.is_translation:
-            return translate(shape, self.dx, self.dy)
-        return affine_transform(shape, [self.cos, self.sin, -self.sin, self.cos, self.dx, self.dy])
+        return shapely.transform(shape, self.points)
 
 
 @dataclass(frozen=True, slots=True)

@@ -40,9 +40,10 @@ def _meets_itself(drawn: list, closure: Closure) -> bool:
     import shapely
 
     turns = closure.beside
-    copies = np.array([closure.motion(k).shape(polygon) for k in turns for polygon in drawn])
+    copies = np.concatenate([closure.motion(k).shape(np.array(drawn)) for k in turns])
     one, other = shapely.STRtree(copies).query(drawn, predicate="intersects")
-    widths = np.array([np.ptp(closure.turns_along(np.asarray(polygon.exterior.coords))) for polygon in drawn])
-    moved = np.array(turns)[other // len(drawn)] != 0
+    if (one != other % len(drawn)).any():
+        return True
+    moved = one[np.array(turns)[other // len(drawn)] != 0]
     # a band's chart is a turn wide and ends where it begins
-    return bool(np.any((one != other % len(drawn)) | (moved & (widths[one] > 1.0 + 1e-9))))
+    return any(np.ptp(closure.turns_along(np.asarray(drawn[i].exterior.coords))) > 1.0 + 1e-9 for i in np.unique(moved))

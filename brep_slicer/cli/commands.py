@@ -380,6 +380,8 @@ def run() -> None:
     All files are closed by then, and to take the kernel's tables apart one by one takes longer than to read a part.
     """
     gc.set_threshold(OBJECTS_BETWEEN_SEARCHES)
+    # no matrix here is large enough for numpy's threads: to start them, and to wake them, takes longer
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         main()
     except SystemExit as done:

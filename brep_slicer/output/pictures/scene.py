@@ -32,6 +32,8 @@ TOO_THIN = 0.5
 FINE_PROFILE, PLAIN_PROFILE = np.array([-1.0, -0.5, 0.0, 0.5, 1.0]), np.array([-1.0, 0.0, 1.0])
 # A bead's round end is drawn in so many steps.
 ROUND = 2
+# Segments that turn by less than this (cosine of 0.2 rad) go on about straight.
+STRAIGHT = 0.98
 # A bead is no farther to one side at a corner than so many halves of its width.
 LONGEST_MITRE = 1.5
 
@@ -141,15 +143,16 @@ class Stretches:
         return Stretches(**{name: getattr(self, name)[chosen] for name in self.__slots__})
 
 
-def stretches_of(plan: Plan, longest: float) -> Stretches:
-    """The deposited part of a toolpath, no stretch longer than `longest` mm."""
+def stretches_of(plan: Plan, longest: float, shortest: float) -> Stretches:
+    """The deposited part of a toolpath, no stretch longer than `longest` mm, few of those that go straight on below `shortest`."""
     path = plan.toolpath
     laid = path.deposits.copy()
     laid[:1] = False
     end = np.flatnonzero(laid)
     start = end - 1
     size = np.linalg.norm(path.points[end] - path.points[start], axis=1)
-    end, start, size = end[size > 0.0], start[size > 0.0], size[size > 0.0]
+    end, start = _thinned(plan, end[size > 0.0], start[size > 0.0], size[size > 0.0], shortest)
+    size = np.linalg.norm(path.points[end] - path.points[start], axis=1)
     cuts = np.maximum(1, np.ceil(size / longest)).astype(int)
     of = np.repeat(np.arange(len(end)), cuts)
     step = np.arange(len(of)) - np.repeat(np.cumsum(cuts) - cuts, cuts)
@@ -167,6 +170,18 @@ def stretches_of(plan: Plan, longest: float) -> Stretches:
         before=same[:-1],
         after=same[1:],
     )
+
+
+def _thinned(plan: Plan, end: Array, start: Array, size: Array, shortest: float) -> tuple[Array, Array]:
+    """Segments of beads (indices of their points), joined to ones of about `shortest` mm where they go on about straight."""
+    path = plan.toolpath
+    way = (path.points[end] - path.points[start]) / size[:, None]
+    step = np.floor(np.cumsum(size) / shortest)
+    kept = np.ones(len(end), dtype=bool)
+    straight = np.einsum("ij,ij->i", way[1:], way[:-1]) > STRAIGHT
+    kept[:-1] = (step[1:] != step[:-1]) | (path.bead[end[1:]] != path.bead[end[:-1]]) | ~straight
+    last = np.flatnonzero(kept)
+    return end[last], start[np.concatenate([[0], last[:-1] + 1])[: len(last)]]
 
 
 def bead_mesh(plan: Plan, stretches: Stretches, chosen: Array, profile: Array) -> Mesh:

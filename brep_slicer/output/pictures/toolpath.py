@@ -41,6 +41,8 @@ LIGHT, AMBIENT, GLOSS = np.array([-0.42, 0.34, 0.842]), 0.48, 0.16
 EDGE, EDGE_STRENGTH, TRAVEL_STRENGTH = np.array([0.22, 0.22, 0.24]), 0.75, 0.8
 # Lines lie on surfaces: they count as in front of what hides them by less than this share of the page's width.
 LINE_SLACK = 4e-3
+# Bends of a bead within so many pixels are not seen.
+FINEST = 4.0
 # In the middle of a bead and beside it, in widths.
 BESIDE = ((0.0, 0.0), (0.4, 0.4), (0.4, -0.4), (-0.4, 0.4), (-0.4, -0.4))
 # A bead narrower than this is too small for a fine profile to be seen, pixels.
@@ -137,7 +139,7 @@ def _beads(plan: Plan, view: View, scale: float, surface: Array, size: tuple[int
     """The beads that are not buried: those with some of their length above a `surface` of depths, or near it."""
     width, (high, wide) = plan.process.width, size
     longest = max(1.5 * width, 12.0 / scale)
-    tracks = stretches_of(plan, longest)
+    tracks = stretches_of(plan, longest, FINEST / scale)
     middle = 0.5 * (tracks.a + tracks.b)
     place = view.places(middle, scale)
     room = 2.0 * width * scale

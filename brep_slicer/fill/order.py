@@ -48,8 +48,8 @@ def in_short_order_by_pieces(
     """A layer's beads reordered: piece by piece, in each one kind after the other as its pattern has them.
 
     Beads that follow one another within `reach` (mm) in the pattern's own order stay together, as the lines of a hatch do. A
-    piece that has one kind of beads only may be laid backwards, if they may be `turned`. Of equal pieces the order is looked for
-    once; `copies` holds for each the number of the first one.
+    piece that has one kind of beads only may be laid backwards, if they may be `turned`. Of equal pieces the order is looked
+    for once; `copies` holds for each the number of the first one.
     """
     if len(beads) < 3:
         return tuple(beads)

@@ -144,7 +144,7 @@ class Stretches:
 
 
 def stretches_of(plan: Plan, longest: float, shortest: float) -> Stretches:
-    """The deposited part of a toolpath, no stretch longer than `longest` mm, few of those that go straight on below `shortest`."""
+    """The deposited part of a toolpath in stretches of `shortest` to `longest` mm; shorter ones only where it bends or ends."""
     path = plan.toolpath
     laid = path.deposits.copy()
     laid[:1] = False

@@ -1,4 +1,4 @@
-"""Pictures against importing and reading, proofs against their plans: pytest tests/benchmarks -m benchmark -n 0 -s.
+"""The command against importing and reading, proofs against their plans: pytest tests/benchmarks -m benchmark -n 0 -s.
 
 Seconds are of the processor, each in a process of its own; ratios are medians of runs that take turns.
 """
@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import statistics
 import subprocess
 import sys
@@ -18,14 +19,15 @@ pytestmark = pytest.mark.benchmark
 REAL = Path(__file__).resolve().parents[3] / "shared" / "step"
 RUNS = 5
 BASE = """
+import sys
 import OCP, numpy, scipy, shapely, matplotlib
 from OCP.STEPControl import STEPControl_Reader
 reader = STEPControl_Reader()
-reader.ReadFile({path!r})
+reader.ReadFile(sys.argv[1])
 reader.TransferRoots()
 reader.OneShape()
-print(json.dumps({{"base": time.process_time()}}))
 """
+PROCESS = ["-t", "1.4", "-d", "3.4"]
 PICTURES = """
 import brep_slicer as bs
 plan = bs.plan(bs.read_step({path!r}), bs.Process(layer_thickness=1.4, step_over=3.4))
@@ -37,17 +39,6 @@ middle = time.process_time()
 draw_toolpath(plan, {folder!r} + "/toolpath.png")
 end = time.process_time()
 print(json.dumps({{"pictures": end - start, "layers.png": middle - begun, "toolpath.png": end - middle}}))
-"""
-COMMAND = """
-import sys
-from brep_slicer.__main__ import main
-sys.argv = ["brep-slicer", "plan", {path!r}, "-t", "1.4", "-d", "3.4", "-o", {folder!r}, "--yes"]
-try:
-    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-        main()
-except SystemExit:
-    pass
-print(json.dumps({{"command": time.process_time()}}))
 """
 PROOF = """
 import resource
@@ -64,22 +55,45 @@ print(json.dumps({{"plan": middle, "proof": end - middle, "GB": peak, "layers": 
 
 
 def run(script: str, **values) -> dict[str, float]:
-    code = "import contextlib, io, json, time\n" + script.format(**values)
+    code = "import json, time\n" + script.format(**values)
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     return json.loads(done.stdout.strip().splitlines()[-1])
 
 
+def spent(words: list[str], environment: dict[str, str]) -> tuple[float, float]:
+    """Seconds of the processor (user and system) and MiB at most of a process from its start to its end."""
+    process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment)
+    _, status, used = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    assert process.returncode == 0, words
+    return used.ru_utime + used.ru_stime, used.ru_maxrss / 1024.0
+
+
+@pytest.mark.skipif(not hasattr(os, "wait4"), reason="the processor's time of a process is asked of Unix")
 @pytest.mark.parametrize("name", ["helical_gear_tooth", "helical_gear", "propeller"])
-def test_pictures_against_importing_and_reading(name, fixture_step, tmp_path, capsys):
-    values = {"path": str(fixture_step(name)), "folder": str(tmp_path)}
-    runs = [{**run(BASE, **values), **run(PICTURES, **values), **run(COMMAND, **values)} for _ in range(RUNS)]
+def test_the_command_against_importing_and_reading(name, fixture_step, tmp_path, capsys):
+    path, folder = str(fixture_step(name)), str(tmp_path)
+    # modules are compiled once, as an installation does
+    environment = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
+    environment["PYTHONPYCACHEPREFIX"] = str(tmp_path / "compiled")
+    base = [sys.executable, "-c", BASE, path]
+    command = [sys.executable, "-m", "brep_slicer", "plan", path, *PROCESS, "-o", folder]
+    for words in (base, command):
+        spent(words, environment)
+    runs = [(spent(base, environment), spent(command, environment)) for _ in range(RUNS)]
+    pictures = [run(PICTURES, path=path, folder=folder) for _ in range(RUNS)]
+    bases, commands, peaks = zip(*((b[0], c[0], c[1]) for b, c in runs), strict=True)
     with capsys.disabled():
-        base = statistics.median(one["base"] for one in runs)
-        print(f"\n{name}: import and read {base:.2f} s")
-        for key in ("layers.png", "toolpath.png", "pictures", "command"):
-            seconds = statistics.median(one[key] for one in runs)
-            ratio = statistics.median(one[key] / one["base"] for one in runs)
-            print(f"  {key:14s} {seconds:6.2f} s, {ratio:5.2f} times that")
+        whole = statistics.median(bases)
+        print(f"\n{name}: import and read {whole:.2f} s")
+        ratios = [c / b for b, c in zip(bases, commands, strict=True)]
+        print(
+            f"  plan {statistics.median(commands):.2f} s, {statistics.median(ratios):.2f} times that"
+            f" ({min(ratios):.2f} to {max(ratios):.2f}); {statistics.median(peaks):.0f} MiB at most"
+        )
+        for key in ("pictures", "layers.png", "toolpath.png"):
+            seconds = statistics.median(one[key] for one in pictures)
+            print(f"  of it {key} {seconds:.2f} s, {seconds / whole:.2f} times that")
     assert (tmp_path / "toolpath.png").exists()
 
 

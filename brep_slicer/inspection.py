@@ -16,7 +16,7 @@ from brep_slicer.field import radial_gradient, radii_of
 from brep_slicer.geometry import Face
 from brep_slicer.part import Part, as_part
 from brep_slicer.section import CutSolid, cut_solids
-from brep_slicer.section.oracle import closure_of
+from brep_slicer.section.volume import closure_of
 from brep_slicer.substrate.axis import Axis, as_axis, axis_candidates, describe_candidate
 from brep_slicer.substrate.radius import CylinderCandidate, coaxial_cylinders, find_substrate
 from brep_slicer.wording import counted, shortened
@@ -24,8 +24,6 @@ from brep_slicer.wording import counted, shortened
 # A face overhangs where its outward normal points towards the axis by more than this (a slope of 1 degree).
 OVERHANG = 0.0175
 SAMPLES = 9
-# Panels of the surface integral that measures a volume; the two results tell its error.
-VOLUME_PANELS = (2, 3)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -140,8 +138,8 @@ def measured_volume(solid: CutSolid) -> tuple[float, float]:
     Two quadratures tell what the integral is good for; by how far the faces fail to close, what the file is good for: where
     they gape, the volume depends on where it is measured from. (OCCT's quadrature was 4e-3 off on a worm, and does not say so.)
     """
-    coarse, fine = (closure_of(solid.brep, panels=panels) for panels in VOLUME_PANELS)
-    return fine.volume, abs(fine.volume - coarse.volume) + fine.defect * abs(fine.volume)
+    closure = closure_of(solid.brep)
+    return closure.volume, closure.quadrature + closure.defect * abs(closure.volume)
 
 
 def volume_text(volume: float, uncertainty: float) -> str:

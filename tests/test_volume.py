@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
+import build123d as bd
 import numpy as np
 import pytest
 
@@ -127,3 +128,40 @@ def test_critical_radii_of_a_cam(fixture_step):
     # bore, base circle, where the flanks meet the nose, tip
     corner = np.hypot(45.0 + 12.0 * (28.0 / 45.0), 12.0 * np.sqrt(1 - (28.0 / 45.0) ** 2))
     assert np.allclose(solid.critical.radii, [20.0, 40.0, corner, 57.0], atol=1e-9)
+
+
+# exact volumes, mm**3; each has faces of a kind of its own
+CLOSED = {
+    "cone": (lambda: bd.Cone(20.0, 8.0, 30.0), np.pi * 30.0 * (20.0**2 + 20.0 * 8.0 + 8.0**2) / 3.0),
+    "ball": (lambda: bd.Sphere(12.0), 4.0 / 3.0 * np.pi * 12.0**3),
+    "ring": (lambda: bd.Torus(30.0, 7.0), 2.0 * np.pi**2 * 30.0 * 7.0**2),
+    "two crossing cylinders": (
+        lambda: bd.Cylinder(10.0, 60.0) & bd.Rotation(0, 90, 0) * bd.Cylinder(10.0, 60.0),
+        16.0 / 3.0 * 10.0**3,
+    ),
+    "ball cap": (
+        lambda: bd.Sphere(12.0) - bd.Pos(0, 0, -7.0) * bd.Box(30.0, 30.0, 24.0),
+        np.pi * 7.0**2 * (3 * 12.0 - 7.0) / 3.0,
+    ),
+    "bored bar": (lambda: bd.Box(40.0, 30.0, 20.0) - bd.Cylinder(8.0, 40.0), 40.0 * 30.0 * 20.0 - np.pi * 8.0**2 * 20.0),
+}
+
+
+@pytest.mark.parametrize("name", CLOSED)
+@pytest.mark.parametrize("splines", [False, True])
+def test_volumes_by_the_faces_boundaries(name, splines):
+    # as B-splines the same faces are rational, half a turn a span: their pieces have to be halved
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_NurbsConvert
+
+    make, truth = CLOSED[name]
+    wrapped = make().solids()[0].wrapped
+    if splines:
+        wrapped = BRepBuilderAPI_NurbsConvert(wrapped, True).Shape()
+    # tilted and off the axis, nothing cancels
+    shape = bd.Location((31.0, -12.0, 57.0), (20.0, 35.0, 50.0)) * bd.Solid(wrapped)
+    (solid,) = cut_solids(bs.as_part(shape), Z)
+    closure = closure_of(solid.brep)
+    assert closure.volume == pytest.approx(truth, rel=1e-9 + closure.defect)
+    assert closure.defect < 2e-7
+    assert closure.quadrature < 1e-7 * truth
+    assert closure.moment == pytest.approx(57.0 * truth, rel=1e-6) or name in ("cone", "ball cap")

@@ -1,6 +1,6 @@
 """Areas and volumes without cutting anything: surface integrals over the faces, with no curve in common with the engines.
 
-In: a solid's numpy geometry. Out: the area of the section at a radius, the volume between two radii, the closure defect.
+In: a solid's numpy geometry. Out: the area of the section at a radius, the volume between two radii.
 
 div(e_rho / rho) = 0 away from the axis, so the flux of e_rho / rho through the section at R equals that through the part of the
 solid's boundary that lies outside of R: A(R) = R * integral of (n . e_rho) / rho dS over the faces where rho > R.
@@ -9,7 +9,6 @@ solid's boundary that lies outside of R: A(R) = R * integral of (n . e_rho) / rh
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -104,43 +103,3 @@ def volume_between(brep: Brep, inner: float, outer: float, *, panels: int = PANE
         volume += float(flux.sum())
         moment += float((flux * p[:, 2]).sum())
     return volume, moment
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Closure:
-    """How far a solid's faces are from closing: `vector`, the integral of n dS (mm**2; nil for a closed solid).
-
-    `volumes`, the volume (mm**3) as the integrals of x, y and z times n dS, which agree for a closed solid; `volume`, their
-    mean, and the first `moment` along z (mm**4); `area` (mm**2) of the faces. `defect`, by how much the volume depends on where
-    it is measured from: |vector| times the part's diagonal, or the spread of the volumes if that is larger, over the volume.
-    """
-
-    vector: Array
-    volumes: Array
-    volume: float
-    moment: float
-    area: float
-    defect: float
-
-
-def closure_of(brep: Brep, *, panels: int = PANELS) -> Closure:
-    """The closure defect of a solid, and its volume and moment measured from its middle, from its own faces and pcurves."""
-    vector, volumes, area, moment = np.zeros(3), np.zeros(3), 0.0, 0.0
-    middle = 0.5 * (brep.vertices.min(axis=0) + brep.vertices.max(axis=0))
-    for p, n in _nodes_beyond(brep, -1.0, (), panels):
-        p = p - middle
-        vector += n.sum(axis=0)
-        volumes += (p * n).sum(axis=0)
-        moment += float((0.5 * p[:, 2] ** 2 * n[:, 2]).sum())
-        area += float(np.linalg.norm(n, axis=1).sum())
-    volume = float(volumes.mean())
-    diagonal = float(np.linalg.norm(np.ptp(brep.vertices, axis=0)))
-    worst = max(float(np.linalg.norm(vector)) * diagonal, float(np.ptp(volumes)))
-    return Closure(
-        vector=vector,
-        volumes=volumes,
-        volume=volume,
-        moment=moment + float(middle[2]) * volume,
-        area=area,
-        defect=worst / abs(volume),
-    )

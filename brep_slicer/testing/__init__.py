@@ -4,7 +4,8 @@ In: a solid ready for cutting. Out: figures that two independent ways of computi
 `integrate_sections`; the surface integrals `area_by_flux` and `volume_between`; how far a file's faces close, `closure_of`.
 """
 
-from brep_slicer.section.oracle import Closure, area_by_flux, areas_by_flux, closure_of, volume_between
+from brep_slicer.section.oracle import area_by_flux, areas_by_flux, volume_between
+from brep_slicer.section.volume import Closure, closure_of
 
 from .volume import VolumeIntegral, integrate_sections
 

@@ -103,7 +103,7 @@ def contradictions(solid: CutSolid, radii: Array, found: Sequence[Found], lines:
 
 def _leak_of(solid: CutSolid) -> float:
     """What the flux may lose where the faces do not close, mm**2."""
-    closure = closure_of(solid.brep, panels=3)
+    closure = closure_of(solid.brep)
     return closure.defect * closure.volume / float(np.linalg.norm(np.ptp(solid.brep.vertices, axis=0)))
 
 

@@ -75,6 +75,10 @@ class Curve(abc.ABC):
         """The copy that a closure's motion gives; of a curve whose kind is a cylinder's, by whole turns along kappa only."""
 
     @abc.abstractmethod
+    def raised(self, dv: float) -> Self:
+        """Moved by `dv` mm along v."""
+
+    @abc.abstractmethod
     def on_radius(self, old: float, new: float) -> Self:
         """The curve of the same angles theta on a cylinder of radius `new`, drawn now on `old`: kappa *= new / old."""
 

@@ -125,6 +125,7 @@ def _quadrics(curves: list[QuadricCurve]) -> Evaluate:
     a, radius, branch = (np.array(x, dtype=float) for x in zip(*((c.a, c.radius, c.branch) for c in curves), strict=True))
     low, high = np.array([c.range for c in curves]).T
     bs, cs = np.array([c.b for c in curves]), np.array([c.c for c in curves])
+    lift = np.array([c.lift for c in curves])
 
     def evaluate(row: Array, s: Array) -> tuple[Array, Array]:
         kappa = (1.0 - s) * low[row] + s * high[row]
@@ -142,7 +143,7 @@ def _quadrics(curves: list[QuadricCurve]) -> Evaluate:
         # at the end of its range a curve may be upright: steep beyond measure, but a number
         slope = along / np.where(across == 0.0, 1e-100, across)
         span = high[row] - low[row]
-        return np.stack([kappa, v], axis=-1), np.stack([span, span * slope], axis=-1)
+        return np.stack([kappa, v + lift[row]], axis=-1), np.stack([span, span * slope], axis=-1)
 
     return evaluate
 

@@ -60,6 +60,10 @@ class LineCurve(Curve):
     def moved(self, motion: Motion) -> Self:
         return type(self)(p0=motion.points(self.p0), p1=motion.points(self.p1), face=self.face)
 
+    def raised(self, dv: float) -> Self:
+        move = np.array([0.0, dv])
+        return type(self)(p0=self.p0 + move, p1=self.p1 + move, face=self.face)
+
     def on_radius(self, old: float, new: float) -> Self:
         scale = np.array([new / old, 1.0])
         return type(self)(p0=self.p0 * scale, p1=self.p1 * scale, face=self.face)

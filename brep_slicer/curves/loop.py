@@ -129,6 +129,10 @@ class Loop:
         motion = self.closure.motion(turns)
         return Loop(curves=tuple(curve.moved(motion) for curve in self.curves), sheet=self.sheet, winding=self.winding)
 
+    def raised(self, dv: float) -> Loop:
+        """The loop moved by `dv` mm along v."""
+        return Loop(curves=tuple(curve.raised(dv) for curve in self.curves), sheet=self.sheet, winding=self.winding)
+
     def reversed(self) -> Loop:
         """The loop run through the other way: the material changes sides."""
         return Loop(

@@ -9,6 +9,7 @@ other end is then a number that lies beyond the curve.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
@@ -22,16 +23,18 @@ from .base import Curve, CurveKind, frozen_array
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class QuadricCurve(Curve):
-    """The curve a v**2 + 2 b(theta) v + c(theta) = 0 on the cylinder, theta = kappa / radius.
+    """The curve a w**2 + 2 b(theta) w + c(theta) = 0, w = v - lift, on the cylinder, theta = kappa / radius.
+
+    `lift` (mm) is the height that the coefficients are about: far from the curve they would lose its digits.
 
     b(theta) = b[0] + b[1] cos + b[2] sin; c(theta) = c[0] + c[1] cos + c[2] sin + c[3] cos 2theta + c[4] sin 2theta
     (all with the squares of the cutting radius already multiplied in, so the coefficients depend on theta alone).
 
     Without a fold, kappa itself runs from range[0] to range[1] and `branch` (+1 or -1) chooses the root
-    v = (-b + branch sqrt(b**2 - a c)) / a. With `fold` = (middle, half) in mm, kappa = middle - half cos(p), the angle p
+    w = (-b + branch sqrt(b**2 - a c)) / a. With `fold` = (middle, half) in mm, kappa = middle - half cos(p), the angle p
     runs from range[0] to range[1], and the root is branch * sign(sin p): p in (0, pi) is one root, (pi, 2 pi) the other.
     The roots meet at that end of the fold that is nearer to the curve's points: cos p > 0, the lower one.
-    Where a = 0 the equation is linear: v = -c / (2 b).
+    Where a = 0 the equation is linear: w = -c / (2 b).
     """
 
     kind: ClassVar[CurveKind] = CurveKind.QUADRIC
@@ -43,6 +46,7 @@ class QuadricCurve(Curve):
     branch: int
     range: tuple[float, float]
     fold: tuple[float, float] | None = None
+    lift: float = 0.0
     face: int = -1
 
     def __post_init__(self) -> None:
@@ -65,16 +69,16 @@ class QuadricCurve(Curve):
             return self._folded(p, slopes=False)[0]
         b, c = self._terms(p / self.radius)
         if self.a == 0.0:
-            return np.stack([p, -0.5 * c / b], axis=-1)
+            return np.stack([p, self.lift - 0.5 * c / b], axis=-1)
         root = np.sqrt(np.maximum(b * b - self.a * c, 0.0))
-        return np.stack([p, (-b + self.branch * root) / self.a], axis=-1)
+        return np.stack([p, self.lift + (-b + self.branch * root) / self.a], axis=-1)
 
     def derivatives(self, s: Array) -> Array:
         p = self._own_parameter(s)
         span = self.range[1] - self.range[0]
         if self.fold is not None:
             return span * self._folded(p)[1]
-        v = self.points(s)[:, 1]
+        v = self.points(s)[:, 1] - self.lift
         theta = p / self.radius
         cos, sin = np.cos(theta), np.sin(theta)
         b, _ = self._terms(theta)
@@ -119,7 +123,7 @@ class QuadricCurve(Curve):
         k = np.sqrt(np.maximum(ratio * sinc * grows, 1e-200))
         upper = self.branch * np.where(sin_half * cos_half >= 0.0, 1.0, -1.0)
         v = (upper * np.abs(q) * k - (self.b[0] + self.b[1] * cos + self.b[2] * sin)) / self.a
-        points = np.stack([middle - half * (cos_half**2 - sin_half**2), v], axis=-1)
+        points = np.stack([middle - half * (cos_half**2 - sin_half**2), self.lift + v], axis=-1)
         if not slopes:
             return points, points
         along = 2.0 * ratio * sin_half * cos_half
@@ -147,6 +151,17 @@ class QuadricCurve(Curve):
         if self.fold is None:
             return replace(self, range=(self.range[0] + dkappa, self.range[1] + dkappa))
         return replace(self, fold=(self.fold[0] + dkappa, self.fold[1]))
+
+    def raised(self, dv: float) -> Self:
+        return replace(self, lift=self.lift + dv)
+
+    def moment(self, power: int = 1) -> float:
+        """By the moments about `lift`, so that a curve far from v = 0 keeps its digits."""
+        if self.lift == 0.0:
+            return Curve.moment(self, power)
+        level = replace(self, lift=0.0)
+        own = [float(self.end[0] - self.start[0]), *(Curve.moment(level, i) for i in range(1, power + 1))]
+        return sum(math.comb(power, i) * self.lift ** (power - i) * own[i] for i in range(power + 1))
 
     def on_radius(self, old: float, new: float) -> Self:
         scale = new / old

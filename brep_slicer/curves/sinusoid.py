@@ -60,6 +60,9 @@ class SinusoidCurve(Curve):
     def moved(self, motion: Motion) -> Self:
         return replace(self, range=(self.range[0] + motion.along_kappa, self.range[1] + motion.along_kappa))
 
+    def raised(self, dv: float) -> Self:
+        return replace(self, coefficients=self.coefficients + np.array([dv, 0.0, 0.0]))
+
     def on_radius(self, old: float, new: float) -> Self:
         scale = new / old
         return replace(self, radius=self.radius * scale, range=(self.range[0] * scale, self.range[1] * scale))

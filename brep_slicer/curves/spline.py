@@ -91,6 +91,9 @@ class SplineCurve(Curve):
     def moved(self, motion: Motion) -> Self:
         return self._of(motion.points(self.coefficients))
 
+    def raised(self, dv: float) -> Self:
+        return self._of(self.coefficients + np.array([0.0, dv]))
+
     def on_radius(self, old: float, new: float) -> Self:
         return self._of(self.coefficients * np.array([new / old, 1.0]))
 

@@ -57,8 +57,11 @@ class Face:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Brep:
-    """One solid in the axis frame, mm: `vertices` (n, 3) with their tolerances (n,), `edges`, `faces`.
+    """One solid in the axis frame moved down by `lift`, mm (z there is z + lift in the axis frame).
 
+    `vertices` (n, 3) with their tolerances (n,), `edges`, `faces`.
+
+    A solid far along the axis is brought near first: its coordinates would have too few digits left for its features.
     `residual` (mm) is the largest error of a surface or curve that had to be converted (offsets), 0 if none.
     """
 
@@ -67,3 +70,4 @@ class Brep:
     edges: tuple[Edge, ...]
     faces: tuple[Face, ...]
     residual: float = 0.0
+    lift: float = 0.0

@@ -1,6 +1,6 @@
 """One solid, read out of OCCT into numpy: vertices, edges, faces, in the axis frame.
 
-In: a solid and the motion that takes the file's frame to the axis frame. Out: a geometry.Brep.
+In: a solid in the axis frame. Out: a geometry.Brep.
 
 Edge identity comes from OCCT's indexed map (IsSame); an edge use keeps the composed orientation, so that the face lies on
 its left as seen from outside of the solid.
@@ -8,6 +8,7 @@ its left as seen from outside of the solid.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -26,29 +27,28 @@ from OCP.TopExp import TopExp, TopExp_Explorer
 from OCP.TopoDS import TopoDS_Iterator
 
 from brep_slicer.geometry import Brep, Edge, EdgeUse, Face
-from brep_slicer.maps import Array
 
-from .brep_geometry import curve_from_adaptor, surface_from_adaptor
+from .brep_geometry import centred, curve_from_adaptor, surface_from_adaptor
 from .compat import as_edge, as_face, as_vertex, as_wire, indexed_map
-from .shapes import transformed
 
 
-def brep_from_solid(solid: Any, matrix: Array) -> Brep:
-    """Read a solid in the axis frame.
+def brep_from_solid(moved: Any, lift: float = 0.0, noise: float = 0.0) -> Brep:
+    """Read a solid.
 
     Parameters
     ----------
-    solid : TopoDS_Solid
-        In the file's frame, mm.
-    matrix : ndarray, shape (4, 4)
-        Rigid motion from the file's frame to the axis frame.
+    moved : TopoDS_Solid
+        In the axis frame moved down by `lift`, mm (`shapes.into_frame`).
+    lift : float
+        mm.
+    noise : float
+        What the file's coordinates are good for, mm: a surface turned about a line so near to the axis is turned about it.
 
     Raises
     ------
     KernelError
         If a surface or a curve is of a kind that cannot be read, not even approximately.
     """
-    moved = transformed(solid, matrix)
     maps = {kind: indexed_map() for kind in (TopAbs_VERTEX, TopAbs_EDGE, TopAbs_FACE)}
     for kind, found in maps.items():
         TopExp.MapShapes_s(moved, kind, found)
@@ -56,13 +56,14 @@ def brep_from_solid(solid: Any, matrix: Array) -> Brep:
     points = [BRep_Tool.Pnt_s(vertex) for vertex in corners]
     errors: list[float] = [0.0]
     edges = [_edge(as_edge(maps[TopAbs_EDGE].FindKey(i)), maps, errors) for i in range(1, maps[TopAbs_EDGE].Extent() + 1)]
-    faces = _faces(moved, maps, errors)
+    faces = [replace(face, surface=centred(face.surface, noise)) for face in _faces(moved, maps, errors)]
     return Brep(
         vertices=np.array([[p.X(), p.Y(), p.Z()] for p in points]).reshape(-1, 3),
         vertex_tolerances=np.array([BRep_Tool.Tolerance_s(v) for v in corners]),
         edges=tuple(edges),
         faces=tuple(faces),
         residual=max(errors),
+        lift=lift,
     )
 
 

@@ -6,6 +6,7 @@ parabolas, hyperbolas) is approximated by a B-spline in the same parameters; the
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,10 @@ from brep_slicer.maps import TURN, Array
 APPROXIMATION = 1e-8
 # ... and what they are held against: so many samples each way, which may lie no farther off than this, mm.
 SAMPLES, WORST_APPROXIMATION = 11, 1e-5
+
+
+# Directions are parallel to this (sine of the angle): what is left of a rigid motion's rounding.
+PARALLEL = 1e-12
 
 
 def _vector(thing: Any, dimension: int) -> Array:
@@ -137,6 +142,19 @@ def surface_from_adaptor(adaptor: Any, bounds: tuple[float, float, float, float]
             period=_period(basis),
         )
     return _approximated_surface(adaptor, bounds, errors)
+
+
+def centred(surface: Surface, noise: float) -> Surface:
+    """The surface with its own axis on the frame's, if it lies within `noise` (mm) of it and is parallel."""
+    if isinstance(surface, Revolution):
+        axis = surface.axis
+    elif isinstance(surface, ElementarySurface) and surface.kind is not SurfaceKind.PLANE:
+        axis = np.array([0.0, 0.0, 1.0]) if surface.kind is SurfaceKind.SPHERE else surface.frame[2]
+    else:
+        return surface
+    if not 0.0 < float(np.hypot(*surface.origin[:2])) <= noise or float(np.hypot(*axis[:2])) > PARALLEL:
+        return surface
+    return replace(surface, origin=surface.origin * np.array([0.0, 0.0, 1.0]))
 
 
 def _period(basis: Any) -> float:

@@ -16,7 +16,7 @@ from OCP.BRepBndLib import BRepBndLib
 from OCP.BRepBuilderAPI import BRepBuilderAPI_Transform
 from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepGProp import BRepGProp, BRepGProp_Domain, BRepGProp_Face, BRepGProp_Vinert
-from OCP.gp import gp_Pnt, gp_Trsf
+from OCP.gp import gp_Pnt, gp_Trsf, gp_Vec
 from OCP.GProp import GProp_GProps
 from OCP.ShapeAnalysis import ShapeAnalysis_ShapeTolerance
 from OCP.ShapeFix import ShapeFix_Shape
@@ -42,6 +42,20 @@ def transformed(shape: Any, matrix: np.ndarray) -> Any:
     trsf = gp_Trsf()
     trsf.SetValues(*(float(x) for x in np.asarray(matrix)[:3].ravel()))
     return BRepBuilderAPI_Transform(shape, trsf, True).Shape()
+
+
+def into_frame(shape: Any, origin: np.ndarray, rotation: np.ndarray) -> Any:
+    """A copy in the frame at `origin` (3,), mm, whose axes are the rows of `rotation` (3, 3).
+
+    Moved first, which loses no digits where the shape is near the origin, and then turned: in one motion a shape far from its
+    file's origin loses as many as its coordinates have there.
+    """
+    there = gp_Trsf()
+    there.SetTranslation(gp_Vec(*(-float(x) for x in origin)))
+    near = BRepBuilderAPI_Transform(shape, there, True).Shape() if np.any(origin) else shape
+    turn = np.eye(4)
+    turn[:3, :3] = rotation
+    return transformed(near, turn)
 
 
 def scaled(shape: Any, factor: float) -> Any:

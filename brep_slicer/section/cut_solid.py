@@ -17,10 +17,17 @@ from brep_slicer.maps import Array
 from brep_slicer.part import Part, Solid
 from brep_slicer.substrate.axis import Axis
 
+# A solid so many times its own size from the axis's origin is brought near before it is read: it has lost two digits there.
+FAR = 100.0
+# What a coordinate in a file is good for, as a share of the distance from its origin: some units in the last place.
+NOISE = 1e-15
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CutSolid:
-    """A solid in the axis frame: the OCP solid `wrapped`, its `brep`, its edges' `stretches`, its `critical` radii.
+    """A solid in the axis frame moved down by `brep.lift`: the OCP solid `wrapped`, its `brep`.
+
+    Its edges' `stretches`, its `critical` radii.
 
     `gaps` (edges,) is how far each edge's curve and its faces lie apart in truth, mm: files understate it.
     """
@@ -37,19 +44,33 @@ class CutSolid:
 def cut_solid(solid: Solid, axis: Axis) -> CutSolid:
     """Make one solid ready for cutting about `axis`."""
     from brep_slicer.kernel.brep import brep_from_solid
-    from brep_slicer.kernel.shapes import transformed
+    from brep_slicer.kernel.facets import corners_of
+    from brep_slicer.kernel.shapes import into_frame
 
-    brep = brep_from_solid(solid.wrapped, axis.matrix)
+    corners = corners_of(solid.wrapped)
+    lift = _lift(axis.axis_from_file(corners))
+    moved = into_frame(solid.wrapped, axis.origin + lift * axis.direction, axis.rotation)
+    brep = brep_from_solid(moved, lift, NOISE * float(np.abs(corners).max(initial=0.0)))
     stretches = edge_stretches(brep)
     return CutSolid(
         index=solid.index,
         name=solid.name,
-        wrapped=transformed(solid.wrapped, axis.matrix),
+        wrapped=moved,
         brep=brep,
         stretches=stretches,
         critical=critical_radii(brep, stretches),
         gaps=edge_gaps(brep),
     )
+
+
+def _lift(corners: Array) -> float:
+    """How far along the axis (whole mm) the solid with these corners (n, 3) is brought near before it is read; 0 if it is."""
+    if not len(corners):
+        return 0.0
+    low, high = float(corners[:, 2].min()), float(corners[:, 2].max())
+    middle = 0.5 * (low + high)
+    size = max(high - low, float(np.hypot(corners[:, 0], corners[:, 1]).max()))
+    return float(round(middle)) if abs(middle) > FAR * size else 0.0
 
 
 def cut_solids(part: Part, axis: Axis) -> tuple[CutSolid, ...]:

@@ -80,23 +80,37 @@ class SolidSections:
         self.ahead = sections_by_analysis(solid, self.radii) if engine is Engine.ANALYTIC else None
 
     def section(self, i: int) -> Found:
-        """At radius number i; a fallback is cut when it is asked for."""
+        """At radius number i, in the axis frame; a fallback is cut when it is asked for."""
+        return self._in_place(self._section(i))
+
+    def fallback(self, i: int, reason: str) -> Found:
+        """At radius number i by who is asked next, because of a `reason` not to believe the engine; in the axis frame."""
+        return self._in_place(self._fallback(i, reason))
+
+    def _in_place(self, found: Found) -> Found:
+        """What was cut near the origin, where it belongs."""
+        lift = self.solid.brep.lift
+        if lift == 0.0 or isinstance(found, LayerError):
+            return found
+        return [loop.raised(lift) for loop in found[0]], found[1]
+
+    def _section(self, i: int) -> Found:
         if self.ahead is None:
-            return self.fallback(i, "")
+            return self._fallback(i, "")
         found = self.ahead[i]
         if isinstance(found, LayerError):
-            return self.fallback(i, str(found))
+            return self._fallback(i, str(found))
         try:
             check_error(found[1], float(self.radii[i]))
         except LayerError as error:
-            return self.fallback(i, str(error))
+            return self._fallback(i, str(error))
         return found
 
     def beside(self, radius: float) -> SolidSections:
         """The same solid at another radius (mm), judged by the same surface integral."""
         return SolidSections(self.solid, [radius], self.engine, judge=self.judge)
 
-    def fallback(self, i: int, reason: str) -> Found:
+    def _fallback(self, i: int, reason: str) -> Found:
         """The boolean's section if the surface integral agrees, else the analytic one a little farther out."""
         solid, radius = self.solid, float(self.radii[i])
         try:

@@ -246,7 +246,10 @@ def candidates_from_votes(votes: Sequence[AxisVote]) -> list[AxisCandidate]:
     """Every line that these votes are for, the most area first."""
     lines = sorted((v for v in votes if v.direction is not None), key=lambda v: -v.area)
     total = sum(vote.area for vote in votes)
-    reach = max((float(np.linalg.norm(v.point)) for v in votes), default=0.0) + math.sqrt(total)
+    # about their middle: a part is as large as it is, wherever its file has put it
+    points = np.array([v.point for v in votes]).reshape(-1, 3)
+    away = np.linalg.norm(points - points.mean(axis=0), axis=1) if len(votes) else np.zeros(1)
+    reach = float(away.max()) + math.sqrt(total)
     groups = _grouped(lines, SAME_PLACE * reach)
     centres = [v for v in votes if v.direction is None]
     middles, areas = np.array([v.point for v in centres]).reshape(-1, 3), np.array([v.area for v in centres])

@@ -95,7 +95,7 @@ def integrate_sections(solid: Any, *, engine: Engine = Engine.ANALYTIC, relative
     return VolumeIntegral(
         volume=float(done[:, 0].sum()),
         volume_error=float(errors[:, 0].sum()),
-        moment=float(done[:, 1].sum()),
+        moment=float(done[:, 1].sum()) + solid.brep.lift * float(done[:, 0].sum()),
         moment_error=float(errors[:, 1].sum()),
         sections=count,
         by_boolean=fallen,

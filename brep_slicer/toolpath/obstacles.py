@@ -58,7 +58,7 @@ class Obstacles:
 
 def obstacles_of(solids: Sequence[Brep], beyond: float) -> Obstacles:
     """The boxes of every face cell that reaches farther out than `beyond` (mm)."""
-    rows = [_cells(face) for solid in solids for face in solid.faces]
+    rows = [_cells(face) + np.array([0.0, 0.0, solid.lift, solid.lift, 0.0]) for solid in solids for face in solid.faces]
     table = np.concatenate([np.zeros((0, 5)), *rows])
     table = table[table[:, 4] > beyond]
     return Obstacles(theta=table[:, 0], half=table[:, 1], z_low=table[:, 2], z_high=table[:, 3], radius=table[:, 4])

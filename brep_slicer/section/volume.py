@@ -76,7 +76,7 @@ def closure_of(brep: Brep) -> Closure:
         vector=np.array(vector),
         volumes=np.array([x, y, z]),
         volume=volume,
-        moment=moment + float(middle[2]) * volume,
+        moment=moment + (float(middle[2]) + brep.lift) * volume,
         area=area,
         defect=worst / abs(volume),
         quadrature=abs(volume - coarse),

@@ -117,3 +117,47 @@ def crankshaft(*, throw: float = 15.0):
     shaft = united(bar(10.0, -60.0, -14.0), bar(10.0, 14.0, 60.0), bd.Pos(0, 0, -20) * web, bd.Pos(0, 0, 14) * web)
     shaft = united(shaft, bd.Pos(throw, 0, 0) * bar(8.0, -14.0, 14.0))
     return shaft, bd.Pos(throw, 0, 0) * ring(8.0, 10.0, -10.0, 10.0)
+
+
+def fan(*, hub: float = 12.0, inner: float = 38.0, wall: float = 1.0, blades: int = 7, struts: int = 4, frame: str = "square"):
+    """A fan in one solid, 24 high: a hub with free blades, a thin-walled ring that hangs on struts, and on the ring a square
+    frame's corners, ears, or a flange with a flat."""
+    outer = inner + wall
+    blade = box((0.8 * hub, -0.8, -9.0), (inner - 1.5, 0.8, 6.0))
+    strut = box((0.8 * hub, -1.5, 8.0), (inner + 0.5 * wall, 1.5, 12.0))
+    out = united(
+        bar(hub, -12.0, 12.0), *round_about(blade, blades), ring(inner, outer, -12.0, 12.0), *round_about(strut, struts)
+    )
+    edge = 2.0 * outer + 2.0
+    for low, high in ((-12.0, -9.0), (9.0, 12.0)):
+        plates = {
+            "square": lambda: bd.Box(edge, edge, 3.0),
+            "ears": lambda: united(*round_about(box((0.0, -5.0, -1.5), (outer + 14.0, 5.0, 1.5)), 3)),
+            "flat": lambda: bd.Cylinder(outer + 10.0, 3.0) - box((outer + 2.0, -99.0, -9.0), (99.0, 99.0, 9.0)),
+        }
+        plate = bd.Pos(0, 0, 0.5 * (low + high)) * plates[frame]()
+        out = out + (plate - bar(0.5 * (inner + outer), low - 1.0, high + 1.0))
+    return out
+
+
+def spoked_gear(*, rim: float = 40.0, wall: float = 6.0, spokes: int = 5, teeth: int = 30, hub: float = 10.0):
+    """Teeth 5 high on a rim (R `rim` outside) that spokes carry from a hub."""
+    tooth, arm = box((rim - 2.0, -1.5, -5.0), (rim + 5.0, 1.5, 5.0)), box((0.8 * hub, -2.5, -3.0), (rim - 0.5 * wall, 2.5, 3.0))
+    out = united(ring(4.0, hub, -12.0, 12.0), ring(rim - wall, rim, -5.0, 5.0))
+    return united(out, *round_about(arm, spokes), *round_about(tooth, teeth))
+
+
+def stepped_collar(*, radius: float = 1.5, steps=(2.0, 2.5), widths=(4.5, 2.4), length: float = 20.0, low: float = 3.0):
+    """A shaft with a collar turned in steps, each narrower than the one below it."""
+    out, z = bar(radius, 0.0, length), low
+    for step, width in zip(steps, widths, strict=True):
+        out, z = united(out, ring(0.5 * radius, step, z, z + width)), z + width
+    return out
+
+
+def shouldered_crankshaft(*, journal: float = 25.0, shoulder: float = 30.0, width: float = 12.0, throw: float = 38.0):
+    """Journals with a narrow shoulder on either side of the two webs, and a pin between them."""
+    web = box((-35.0, -35.0, 0.0), (throw + 30.0, 35.0, 14.0))
+    out = united(bar(journal, -120.0, -24.0), bar(journal, 24.0, 120.0), bd.Pos(0, 0, -34) * web, bd.Pos(0, 0, 20) * web)
+    out = united(out, ring(5.0, shoulder, -34.0 - width, -33.0), ring(5.0, shoulder, 33.0, 34.0 + width))
+    return united(out, bd.Pos(throw, 0, 0) * bar(16.0, -21.0, 21.0))

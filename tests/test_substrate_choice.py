@@ -15,7 +15,23 @@ bd = pytest.importorskip("build123d")
 
 from brep_slicer.inspection import inspect_part  # noqa: E402
 from brep_slicer.substrate.radius import coaxial_cylinders  # noqa: E402
-from tests.role_shapes import bar, box, cam, gear, ring, splined, tube_with_lands, united, wheel, worm  # noqa: E402
+from tests.role_shapes import (  # noqa: E402
+    bar,
+    box,
+    cam,
+    fan,
+    gear,
+    ring,
+    round_about,
+    shouldered_crankshaft,
+    splined,
+    spoked_gear,
+    stepped_collar,
+    tube_with_lands,
+    united,
+    wheel,
+    worm,
+)
 
 
 def areas(part) -> dict[float, float]:
@@ -102,6 +118,66 @@ class TestCams:
 
     def test_a_lower_boss_changes_nothing(self):
         chosen(cam(boss=12.0), 20.0)
+
+
+class TestFans:
+    """A frame on a thin ring that hangs on struts: it was built on the ring, hub and blades were left out without a word."""
+
+    @pytest.mark.parametrize(
+        ("options", "hub", "ring_at"),
+        [
+            ({}, 12.0, 39.0),
+            ({"hub": 15.0, "inner": 50.0, "wall": 1.5, "blades": 9, "struts": 3, "frame": "ears"}, 15.0, 51.5),
+            ({"hub": 10.0, "inner": 30.0, "blades": 5, "struts": 5, "frame": "flat"}, 10.0, 31.0),
+            ({"wall": 0.8, "blades": 5, "struts": 3}, 12.0, 38.8),
+        ],
+        ids=["square frame", "ears", "flange with a flat", "few blades"],
+    )
+    def test_the_hub_that_blades_and_struts_stand_on(self, options, hub, ring_at):
+        found = chosen(fan(**options), hub)
+        assert f"the next best is R {ring_at:g}, which leaves" in found.substrate_reason
+
+    @pytest.mark.parametrize(
+        "options",
+        [{}, {"rim": 30.0, "wall": 3.0, "spokes": 3, "teeth": 24, "hub": 8.0}, {"rim": 60.0, "wall": 8.0, "spokes": 6}],
+    )
+    def test_but_the_rim_of_a_spoked_gear(self, options):
+        # its wall, a tenth of its radius and more, carries the teeth
+        found = chosen(spoked_gear(**options), options.get("rim", 40.0))
+        assert not any("left out" in w for w in found.warnings)
+
+    @pytest.mark.parametrize(("blades", "length"), [(7, 20.0), (9, 16.0), (6, 24.0)])
+    def test_blades_that_end_within_a_rim_that_carries(self, blades, length):
+        # spokes carry the rim and are no feature; blades beside them end in the air, and would be lost on the rim
+        blade = box((8.0, -1.0, 6.0), (33.0, 1.0, 6.0 + length))
+        body = united(spoked_gear(), bar(10.0, 5.0, 30.0), ring(34.0, 40.0, 4.0, 30.0), *round_about(blade, blades))
+        chosen(body - bar(4.0, -20.0, 40.0), 10.0)
+
+
+class TestStepsOfAShaft:
+    @pytest.mark.parametrize(
+        ("options", "radius"),
+        [
+            ({}, 1.5),
+            ({"radius": 10.0, "steps": (13.0, 16.0, 20.0), "widths": (12.0, 8.0, 6.0), "length": 120.0, "low": 30.0}, 10.0),
+            ({"radius": 6.0, "steps": (9.0, 14.0), "widths": (6.0, 3.0), "length": 60.0, "low": 20.0}, 6.0),
+        ],
+    )
+    def test_the_shaft_not_a_collar_that_another_stands_on(self, options, radius):
+        chosen(stepped_collar(**options), radius)
+
+    def test_a_gear_s_root_beside_a_long_axle_stays(self):
+        # teeth stand amid the root's land: no step of the shaft, however long that is
+        long_axle = united(gear(), bar(5.0, -120.0, 120.0))
+        assert areas(long_axle)[5.0] > 5.0 * areas(long_axle)[12.0]
+        chosen(long_axle, 12.0)
+
+    @pytest.mark.parametrize(("journal", "shoulder", "throw"), [(24.0, 31.0, 33.0), (22.0, 29.0, 31.0), (25.0, 33.0, 34.0)])
+    def test_journals_not_the_shoulders_beside_the_webs(self, journal, shoulder, throw):
+        # what the shoulder leaves out is told of (2 %), the journal leaves less than half of that, and is several times larger
+        shape = shouldered_crankshaft(journal=journal, shoulder=shoulder, width=14.0, throw=throw)
+        assert areas(shape)[journal] > 2.0 * areas(shape)[shoulder]
+        chosen(shape, journal)
 
 
 class TestLeftOut:

@@ -78,6 +78,14 @@ class TestLoosePins:
         assert plan.highest == pytest.approx(33.0, abs=1e-6)
         assert not any("left alone" in w for w in plan.warnings)
 
+    @pytest.mark.parametrize(("root", "gap", "radius"), [(60.0, 0.3, 3.0), (60.0, 0.1, 4.0), (80.0, 0.45, 3.0)])
+    def test_a_pin_that_nearly_touches_is_loose(self, root, gap, radius):
+        # as near as facets of a part of this size may be off: a shaft with a lug, and a pin on its other side
+        body = united(bar(root, -30.0, 30.0), box((root - 5.0, -4.0, -25.0), (root + 8.0, 4.0, -15.0)))
+        beside = bd.Pos(-(root + gap + radius), 0, 10.0) * bd.Cylinder(radius, 20.0)
+        found = inspect_part(file_of(body, beside, names=["shaft", "pin"]), axis="Z")
+        assert "left alone: 1 (pin)" in found.roles
+
 
 class TestTurbines:
     """A shaft with its end discs owns the cylinder, and vanes between the discs touch it nowhere: discs were not built."""
@@ -118,6 +126,25 @@ class TestWornShafts:
         )
         (said,) = [w for w in plan.warnings if "not built" in w]
         assert float(said.split()[0]) == pytest.approx(lost, rel=5e-3)
+
+    @pytest.mark.parametrize(
+        ("options", "rims"),
+        [
+            ({}, [(45.0, 47.0, -48.0, -40.0)]),
+            ({"collar": None}, [(45.0, 47.0, -48.0, -40.0)]),
+            ({}, [(45.0, 48.0, -50.0, -38.0), (30.0, 33.0, 41.0, 49.0)]),
+        ],
+        ids=["on the flange", "no collar", "on flange and collar"],
+    )
+    def test_rings_on_several_cylinders_are_built_from_the_lowest(self, options, rims):
+        names = ["shaft", "clad", *(f"rim {i}" for i in range(len(rims)))]
+        plan = planned(file_of(worn_shaft(**options), clad(-20.0, 10.0), *(ring(*rim) for rim in rims), names=names))
+        assert plan.substrate.radius == 23.0
+        assert (plan.substrate.solids, plan.substrate.built) == ((0,), tuple(range(1, len(names))))
+        all_rings = [(23.0, 25.0, -20.0, 10.0), *rims]
+        for layer in plan.layers:
+            wanted = sum(high - low for inner, outer, low, high in all_rings if inner <= layer.radius < outer)
+            assert layer.area == pytest.approx(2.0 * math.pi * layer.radius * wanted, rel=1e-9)
 
     def test_what_is_laid_on_a_standing_flange_is_built_as_well(self):
         shape = file_of(worn_shaft(), clad(-20.0, 10.0), ring(45.0, 47.0, -48.0, -40.0), names=["shaft", "clad", "rim"])

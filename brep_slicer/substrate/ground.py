@@ -10,7 +10,7 @@ on the cylinder; *cover*, another solid's metal that lies on the land; *place*, 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -19,7 +19,7 @@ from brep_slicer.groups import groups_of_pairs
 from brep_slicer.maps import Array
 
 from .lands import beyond
-from .survey import COLUMNS, SAG, TURNED, Stretches, Survey
+from .survey import COLUMNS, SAG, TURNED, Survey, connected_stretches
 
 # A groove of no more than this depth (share of the radius) beside a foot is a relief, as for a grinding wheel.
 RELIEF = 0.1
@@ -81,7 +81,8 @@ class Ground:
             return self.on_land
         under = np.full(len(self.survey.weights), -1)
         under[s.ray[self.on_land]] = s.solid[self.on_land]
-        return self.above & (s.start <= self.radius + self._margin) & (under[s.ray] >= 0) & (under[s.ray] != s.solid)
+        other = (under[s.ray] >= 0) & (under[s.ray] != s.solid) & self.survey.touching[under[s.ray], s.solid]
+        return self.above & (s.start <= self.radius + self._margin) & other
 
     @cached_property
     def feet(self) -> tuple[Array, Array]:
@@ -137,6 +138,23 @@ class Ground:
             inside = float(survey.stretches.volumes(survey.weights, outer=self.radius).sum())
         lost = survey.stretches.chosen(self.above & ~self.carried)
         return inside + float(survey.loose_volumes(lost, inner=self.radius).sum())
+
+    def stock(self, radius: float) -> float:
+        """mm**3 of turned metal between this land and a larger radius that stands on it all the way round: collars, the
+        thicker part of a shaft; not a rim that hangs on spokes."""
+        s = self.survey.stretches
+        rows: Array = np.all(self.feet[0] > 0, axis=1)
+        metal = s.chosen(self.through & rows[s.ray // COLUMNS])
+        metal = replace(metal, start=np.maximum(metal.start, self.radius), end=np.minimum(metal.end, radius))
+        metal = metal.chosen(metal.end > metal.start)
+        loose = self.survey.loose_volumes(metal, inner=self.radius)
+        return float((metal.volumes(self.survey.weights) - loose).sum())
+
+    @cached_property
+    def turned_only(self) -> bool:
+        """Whether what the land carries is turned: collars, flanges, steps."""
+        loose = self.survey.loose_volumes(self.survey.stretches.chosen(self.carried), inner=self.radius)
+        return bool(loose.sum() <= LOOSE_SHARE * self.volume(self.carried))
 
     @cached_property
     def places(self) -> list[tuple[float, bool]]:
@@ -230,27 +248,9 @@ def touching(number: Array, flags: Array) -> Array:
 
 
 def connected(survey: Survey, flags: Array, radius: float) -> Array:
-    """(stretches,) the number of the connected metal beyond a radius that each flagged stretch belongs to, -1 for the others.
-
-    Stretches of one solid on neighbouring rays are connected where their intervals overlap, those of several solids only if
-    the solids touch.
-    """
-    s: Stretches = survey.stretches
-    chosen = np.flatnonzero(flags)
-    order = chosen[np.argsort(s.ray[chosen], kind="stable")]
-    ray, start, end, solid = s.ray[order], np.maximum(s.start[order], radius), s.end[order], s.solid[order]
-    rows, columns = survey.shape
-    station, column = ray // columns, ray % columns
-    links = [np.zeros((0, 2), dtype=int)]
-    for target in (ray, station * columns + (column + 1) % columns, np.where(station + 1 < rows, ray + columns, -1)):
-        first = np.searchsorted(ray, target, side="left")
-        count = np.searchsorted(ray, target, side="right") - first
-        a = np.repeat(np.arange(len(ray)), count)
-        b = first[a] + np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
-        # stretches of touching solids on one ray meet end to start
-        slack = np.where(target[a] == ray[a], SAG * radius + beyond(radius), 0.0)
-        meet = (start[a] <= end[b] + slack) & (start[b] <= end[a] + slack) & survey.touching[solid[a], solid[b]]
-        links.append(np.stack([a, b], axis=1)[meet & (a != b)])
-    out = np.full(len(s.ray), -1)
-    out[order] = groups_of_pairs(len(ray), np.concatenate(links))
+    """(stretches,) the number of the connected metal beyond a radius that each flagged stretch belongs to, -1 for others."""
+    chosen = survey.stretches.chosen(flags)
+    beyond_it = replace(chosen, start=np.maximum(chosen.start, radius))
+    out = np.full(len(flags), -1)
+    out[flags] = connected_stretches(survey, beyond_it, slack=SAG * radius + beyond(radius))
     return out

@@ -10,7 +10,7 @@ stations share; *stretch*, an interval of a ray inside of one solid.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -33,6 +33,9 @@ BETWEEN, SAME_HEIGHT = 2, 5e-4
 # Metal that covers less than LOOSE of a turn at its radius is a feature (a tooth, a blade, a lobe), from TURNED on it is a
 # turned body with a hole or a keyway; in between it counts in part.
 LOOSE, TURNED = 0.6, 0.9
+# A rim on spokes whose wall is less than this share of its radius is a thin-walled ring (the bound of thin-wall theory), which
+# hangs on them rather than that it carries what is built.
+LEAST_RIM = 0.05
 RINGS = 256
 # Radii of rings that differ by less than this share of the outermost one are one.
 SAME_RING = 1e-7
@@ -137,16 +140,48 @@ class Survey:
     def loose_below(self, radius: float) -> float:
         """mm**3 inside of a radius that is no turned body: teeth, lobes and blades, by the share of the turn they cover.
 
-        Spokes, and what is left between the holes of a web, do not count where a rim goes round outside of them.
+        Spokes, and what is left between the holes of a web, do not count: they carry a rim that goes round outside of them.
+        Blades that end within a rim carry nothing, nor does a thin-walled rim that ends at the radius: a ring on struts.
         """
+        pieces, number, carries = self._loose_pieces(radius)
+        return float(self.loose_volumes(pieces.chosen(~carries[number]), inner=0.0).sum())
+
+    def _loose_pieces(self, radius: float) -> tuple[Stretches, Array, Array]:
+        """Stretches of metal inside of a radius, in rings that are not closed; (n,) the connected piece that each belongs to,
+        and for each piece whether it goes on outwards into a rim: rings that are closed, thick enough to be built on if
+        they reach the radius."""
         radii, share = self._rings
-        ring = radii[:-1] < radius * (1.0 - SAME_RING)
-        closed = np.where(ring, share >= TURNED, False)
-        # rings that have a closed one outside of them
-        enclosed = np.cumsum(closed[:, ::-1], axis=1)[:, ::-1] - closed > 0
-        top = np.clip(radii[1:], 0.0, radius)
-        area = 0.5 * np.maximum(top**2 - radii[:-1] ** 2, 0.0) * TURN
-        return float((self._loose * share * ~enclosed * area * np.diff(self.edges)[:, None]).sum())
+        inside = radii[:-1] < radius * (1.0 - SAME_RING)
+        closed, top = (share >= TURNED) & inside, np.minimum(radii[1:], radius)
+        # runs of rings that are not closed, one after the other over all stations; each run and what it is bounded by
+        flags = np.pad(inside & ~closed, ((0, 0), (1, 1)))
+        change = np.diff(flags.astype(int), axis=1)
+        (station, first), last = np.nonzero(change > 0), np.nonzero(change < 0)[1]
+        low, high = radii[first], top[last - 1]
+        bounded = np.pad(closed, ((0, 0), (0, 1)))[station, last]
+        bounded[bounded] = self._is_rim(closed, radius)[station[bounded], last[bounded]]
+        s = self.stretches
+        begin = np.searchsorted(station, np.arange(len(self.heights) + 1))
+        count = np.diff(begin)[s.ray // COLUMNS]
+        which = np.repeat(np.arange(len(s.ray)), count)
+        run = begin[s.ray // COLUMNS][which] + _counted(count)
+        a, b = np.maximum(s.start[which], low[run]), np.minimum(s.end[which], high[run])
+        keep = b > a * (1.0 + SAME_RING)
+        which, run, a, b = which[keep], run[keep], a[keep], b[keep]
+        pieces = replace(s.chosen(which), start=a, end=b)
+        number = connected_stretches(self, pieces, slack=CONTACT)
+        carries = np.zeros(int(number.max(initial=-1)) + 1, dtype=bool)
+        carries[number[bounded[run] & (b >= high[run] - CONTACT)]] = True
+        return pieces, number, carries
+
+    def _is_rim(self, closed: Array, radius: float) -> Array:
+        """(stations, rings) whether closed rings, from this one outwards, can carry what stands on the radius."""
+        radii, count = self._rings[0], closed.shape[1]
+        # the first ring from here on that is not closed
+        until = np.where(closed, count, np.arange(count))
+        until = np.minimum.accumulate(until[:, ::-1], axis=1)[:, ::-1]
+        reaches = radii[until] >= radius * (1.0 - SAME_RING)
+        return ~reaches | (radius - radii[:-1] >= LEAST_RIM * radius)
 
     def loose_volumes(self, stretches: Stretches, inner: float) -> Array:
         """mm**3 of each stretch beyond a radius that is no turned body."""
@@ -162,6 +197,31 @@ class Survey:
 
         a, b = np.maximum(stretches.start, inner), np.maximum(stretches.end, inner)
         return (below(b) - below(a)) * self.weights[stretches.ray]
+
+
+def connected_stretches(survey: Survey, s: Stretches, *, slack: float) -> Array:
+    """(stretches,) the number of the connected metal that each of some stretches belongs to.
+
+    Stretches on neighbouring rays are connected where their intervals overlap, those on one ray where they are no more than
+    `slack` (mm) apart; those of several solids only if the solids touch.
+    """
+    order = np.argsort(s.ray, kind="stable")
+    ray, start, end, solid = s.ray[order], s.start[order], s.end[order], s.solid[order]
+    rows, columns = survey.shape
+    station, column = ray // columns, ray % columns
+    links = [np.zeros((0, 2), dtype=int)]
+    for target in (ray, station * columns + (column + 1) % columns, np.where(station + 1 < rows, ray + columns, -1)):
+        first = np.searchsorted(ray, target, side="left")
+        count = np.searchsorted(ray, target, side="right") - first
+        a = np.repeat(np.arange(len(ray)), count)
+        b = first[a] + _counted(count)
+        # stretches of touching solids on one ray meet end to start
+        gap = np.where(target[a] == ray[a], slack, 0.0)
+        meet = (start[a] <= end[b] + gap) & (start[b] <= end[a] + gap) & survey.touching[solid[a], solid[b]]
+        links.append(np.stack([a, b], axis=1)[meet & (a != b)])
+    out = np.zeros(len(ray), dtype=int)
+    out[order] = groups_of_pairs(len(ray), np.concatenate(links))
+    return out
 
 
 def survey_of(part: Part, axis: Axis, levels: dict[int, dict[int, float]]) -> Survey:
@@ -206,13 +266,15 @@ def _touching(part: Part, s: Stretches) -> Array:
     out = np.eye(count, dtype=bool)
     if count == 1:
         return out
+    from brep_slicer.kernel.facets import DEFLECTION, diagonal_of
     from brep_slicer.kernel.shapes import boxes_apart, distance_of
 
     order = np.lexsort((s.start, s.ray))
     ray, solid, start, end = s.ray[order], s.solid[order], s.start[order], s.end[order]
-    # known exactly where both faces are level, else as well as facets follow them
-    exact = s.exact_end[order][:-1] & s.exact_start[order][1:]
-    slack = np.where(exact, CONTACT, SAG * end[:-1] + CONTACT)
+    # known exactly where a face is level, else as well as facets follow it
+    off = np.array([DEFLECTION * diagonal_of(x.wrapped) for x in part.solids])[solid]
+    sag = np.where(s.exact_end[order], 0.0, off)[:-1] + np.where(s.exact_start[order], 0.0, off)[1:]
+    slack = np.minimum(sag, SAG * end[:-1]) + CONTACT
     meets = (ray[1:] == ray[:-1]) & (start[1:] <= end[:-1] + slack) & (solid[1:] != solid[:-1])
     pairs, often = np.unique(np.sort(np.stack([solid[1:], solid[:-1]], axis=1)[meets], axis=1), axis=0, return_counts=True)
     seen = pairs[often >= OFTEN]

@@ -224,6 +224,30 @@ class TestVolumes:
         assert solid["volume_mm3"] == pytest.approx(volume, rel=1e-9)
         assert solid["volume_uncertainty_mm3"] <= 1e-6 * volume
 
+    @pytest.mark.parametrize(
+        ("make", "volume"),
+        [
+            (lambda: bd.Cone(20, 8, 30), 10.0 * math.pi * (400.0 + 160.0 + 64.0)),
+            (lambda: bd.Torus(20, 6), 2.0 * math.pi**2 * 20.0 * 36.0),
+            (lambda: bd.Sphere(10), 4000.0 / 3.0 * math.pi),
+            # rho = 10 + 20 t**2 at z = 20 t: pi * integral of rho**2 dz = 20 pi (100 + 400 / 3 + 400 / 5)
+            (lambda: bell(), 20.0 * math.pi * (100.0 + 400.0 / 3.0 + 80.0)),
+        ],
+        ids=["cone", "torus", "ball", "bell"],
+    )
+    def test_of_b_splines_that_occt_gets_wrong(self, make, volume):
+        from OCP.BRepGProp import BRepGProp
+        from OCP.GProp import GProp_GProps
+
+        from brep_slicer.inspection import inspect_part
+
+        shape, occt = nurbs(make()), GProp_GProps()
+        BRepGProp.VolumeProperties_s(shape.wrapped, occt)
+        assert abs(occt.Mass() - volume) > 1e-4 * volume
+        solid = inspect_part(shape, axis="Z").solids[0]
+        assert solid["volume_mm3"] == pytest.approx(volume, rel=1e-8)
+        assert solid["volume_uncertainty_mm3"] <= 1e-6 * volume
+
     def test_a_part_that_gapes_says_so(self, real_step):
         from brep_slicer.inspection import measured_volume, volume_text
         from brep_slicer.section import cut_solids
@@ -232,6 +256,12 @@ class TestVolumes:
         volume, uncertainty = measured_volume(cut_solids(part, bs.find_axis(part))[0])
         assert 0.1 < uncertainty < 2.0
         assert "(to" in volume_text(volume, uncertainty)
+
+
+def bell():
+    """A parabola's arc turned about z: rho = 10 + 20 t**2 at z = 20 t."""
+    sides = bd.Line((30, 0, 20), (0, 0, 20)), bd.Line((0, 0, 20), (0, 0, 0)), bd.Line((0, 0, 0), (10, 0, 0))
+    return bd.revolve(bd.Face(bd.Wire([bd.Bezier((10, 0, 0), (10, 0, 10), (30, 0, 20)), *sides])), bd.Axis.Z)
 
 
 def lobed():

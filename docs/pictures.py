@@ -47,8 +47,8 @@ def main() -> None:
 
 def _until(path: Toolpath, share: float) -> Toolpath:
     """A toolpath up to the bead that is being laid when a share of its points is done, and half of that bead."""
-    last = path.bead[int(share * len(path))]
-    mine = np.flatnonzero((path.bead == last) & path.deposits)
+    run = path.runs()
+    mine = np.flatnonzero((run == run[int(share * len(path))]) & path.deposits)
     end = mine[len(mine) // 2] + 1
     return Toolpath(**{field.name: getattr(path, field.name)[:end] for field in fields(path)})
 

@@ -150,3 +150,10 @@ def test_pictures_are_drawn_without_a_plotting_library(fixture_step, tmp_path):
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
+
+
+def test_a_panel_without_room_for_an_arrow():
+    # an uncaught error before: there is no shape of nothing with as many columns as it takes
+    canvas = Canvas(40, 30)
+    canvas.arrows(np.zeros((0, 2)), np.zeros((0, 2)), rgb("#c0392b"))
+    assert len(np.unique(np.asarray(canvas.page()).reshape(-1, 3), axis=0)) == 1

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from pathlib import Path
 
 import numpy as np
@@ -166,10 +165,49 @@ def test_the_frame_of_the_file_is_kept():
 def test_beads_and_layers_are_numbered(tooth_plan):
     path = tooth_plan.toolpath
     assert (np.diff(path.layer) >= 0).all()
-    assert (np.diff(path.bead) >= 0).all()
     assert set(np.unique(path.layer)) == set(range(24))
-    for bead in itertools.islice(np.unique(path.bead), 40):
-        assert len(np.unique(path.layer[(path.bead == bead) & path.deposits])) == 1
+    for layer, fill in zip(tooth_plan.layers, tooth_plan.fills, strict=True):
+        mine = path.layer == layer.index
+        assert np.array_equal(np.unique(path.bead[mine]), np.arange(len(fill.beads)))
+        assert (np.diff(path.bead[mine]) >= 0).all()
+    assert np.array_equal(np.unique(path.runs()), np.arange(sum(len(fill.beads) for fill in tooth_plan.fills)))
+
+
+def same_beads(whole, part):
+    """Whether each bead of a plan of some layers has the points, number and speeds that it has in the whole one."""
+    assert len(part.layers) < len(whole.layers)
+    for path in (whole.toolpath, part.toolpath):
+        assert len(np.unique(path.runs())) == len(np.unique(np.stack([path.layer, path.bead])[:, path.deposits], axis=1).T)
+    numbers = [layer.index for layer in part.layers]
+    mine = np.isin(whole.toolpath.layer, numbers) & whole.toolpath.deposits
+    own = part.toolpath.deposits
+    order = [np.lexsort((path.bead[on], path.layer[on])) for path, on in ((whole.toolpath, mine), (part.toolpath, own))]
+    for name in ("layer", "bead", "points", "kappa", "v", "radius", "speed"):
+        ours, theirs = getattr(part.toolpath, name)[own][order[1]], getattr(whole.toolpath, name)[mine][order[0]]
+        assert np.array_equal(ours, theirs), name
+
+
+@pytest.mark.parametrize("layers", ["12:", "3:5", ":1"])
+def test_beads_keep_their_numbers_in_a_plan_of_some_layers(tooth_plan, layers):
+    same_beads(tooth_plan, bs.plan(tooth_plan.part, tooth_plan.process, layers=layers))
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        {"by_feature": True},
+        {"by_feature": True, "contours": 1, "order": "pattern"},
+        {"contours": 1, "hatch_angles_deg": (0.0, 45.0)},
+        {"pattern": "zigzag"},
+    ],
+)
+def test_beads_keep_their_numbers_however_they_are_ordered(more, fixture_step):
+    # from layer to layer the blades are features of their own; above their middle, others
+    part = bs.read_step(fixture_step("propeller"))
+    process = bs.Process(layer_thickness=8.0, step_over=3.4, **more)
+    whole = bs.plan(part, process)
+    for layers in ("4:", "1:3"):
+        same_beads(whole, bs.plan(part, process, layers=layers))
 
 
 def test_lengths_and_times_add_up(tooth_plan):
@@ -187,7 +225,7 @@ def test_leads_run_straight_on_with_the_laser_off(tooth_plan):
         plain.segment_lengths()[plain.deposits].sum(), rel=1e-12
     )
     # laser off, at deposition speed: 5 mm a bead
-    beads = len(np.unique(path.bead))
+    beads = len(np.unique(path.runs()))
     runs = ~path.deposits & (path.speed == process.value("deposition_speed_mm_s"))
     flat = np.concatenate([[0.0], np.hypot(np.diff(path.kappa), np.diff(path.v))])
     assert flat[runs].sum() == pytest.approx(5.0 * beads, rel=1e-9)
@@ -198,7 +236,7 @@ def test_the_laser_is_switched_early(tooth_plan):
     long = tooth_plan.process.updated(shortest_bead=3.0)
     early = long.updated(laser_on_delay=0.5, laser_off_delay=0.8, lead_in=2.0)
     plain, path = (bs.plan(tooth_plan.part, process).toolpath for process in (long, early))
-    beads = len(np.unique(path.bead))
+    beads = len(np.unique(path.runs()))
     laid = [p.segment_lengths()[p.deposits].sum() for p in (plain, path)]
     # 0.5 mm more before each start, 0.8 mm less before each end
     assert laid[1] == pytest.approx(laid[0] + beads * (0.5 - 0.8), rel=1e-9)
@@ -209,7 +247,7 @@ def test_contours_at_a_speed_of_their_own(tooth_plan):
     process = tooth_plan.process.updated(contours=1, contour_speed_mm_s=6.0, lead_in=2.0, lead_out=1.0, laser_on_delay=0.5)
     plan = bs.plan(tooth_plan.part, process, layers=(0, 2))
     path = plan.toolpath
-    kinds = np.array([b.kind.value for fill in plan.fills for b in fill.beads])[path.bead]
+    kinds = np.array([b.kind.value for fill in plan.fills for b in fill.beads])[path.runs()]
     speeds = path.speed[path.deposits]
     assert np.allclose(speeds[kinds[path.deposits] == "contour"], 6.0)
     assert np.allclose(speeds[kinds[path.deposits] != "contour"], 9.0)

@@ -1,13 +1,16 @@
 """toolpath.csv and toolpath.json: every row, floats that read back exactly.
 
-In: a Toolpath and what was planned. Out: text; the JSON reads back to the same Toolpath.
+In: a Toolpath and what was planned. Out: files; the JSON reads back to the same Toolpath.
 """
 
 from __future__ import annotations
 
+import contextlib
 import json
+import shutil
+import tempfile
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 
@@ -15,29 +18,57 @@ from brep_slicer.errors import InputError
 from brep_slicer.maps import Array
 from brep_slicer.toolpath import COLUMNS, KINDS, Toolpath
 
+from .atomic import write_whole
+
 FORMAT = "brep_slicer toolpath 1"
-# Rows in words at a time: some hundred bytes each for as long.
+# Rows in words at a time: a kilobyte each for as long, however long the toolpath is.
 ROWS_AT_ONCE = 50_000
+# Characters of a column that are copied at a time.
+COPIED_AT_ONCE = 1_000_000
 
 UNITS = {"x": "mm", "y": "mm", "z": "mm", "kappa": "mm", "v": "mm", "radius": "mm", "speed": "mm/s"}
 
 
-def tables_from_toolpath(toolpath: Toolpath, header: dict[str, Any]) -> tuple[str, str]:
-    """The text of toolpath.csv, one line of names and one line a point, and of toolpath.json, the same as columns.
+def write_tables(toolpath: Toolpath, header: dict[str, Any], folder: Path) -> tuple[Path, Path]:
+    """Write toolpath.csv, one line of names and one line a point, and toolpath.json, the same as columns; their paths.
 
-    Both are made at once, since to find the shortest text of a number takes most of the time.
+    Both are made at once, since to find the shortest text of a number takes most of the time, and some rows at a time: the
+    columns wait in files without a name until the last row is there.
     """
-    lines = [",".join(COLUMNS)]
-    columns: dict[str, list[str]] = {name: [] for name in COLUMNS}
-    for first in range(0, len(toolpath), ROWS_AT_ONCE):
-        texts = _texts(toolpath, slice(first, first + ROWS_AT_ONCE))
-        lines += map(",".join, zip(*texts.values(), strict=True))
-        texts["kind"] = [f'"{kind}"' for kind in texts["kind"]]
-        for name in COLUMNS:
-            columns[name].append(", ".join(texts[name]))
+    with contextlib.ExitStack() as open_files:
+        columns = {name: open_files.enter_context(_spool(folder)) for name in COLUMNS}
+        table = write_whole(folder / "toolpath.csv", lambda path: _write_rows(toolpath, path, columns))
+        return table, write_whole(folder / "toolpath.json", lambda path: _write_columns(header, path, columns))
+
+
+def _spool(folder: Path) -> TextIO:
+    """A file without a name, on the disk that has to take the text anyway."""
+    return tempfile.TemporaryFile("w+", encoding="utf-8", newline="", dir=folder)
+
+
+def _write_rows(toolpath: Toolpath, path: Path, columns: dict[str, TextIO]) -> None:
+    """The lines of the table, and each column's words into its own file."""
+    with path.open("w", encoding="utf-8") as table:
+        table.write(",".join(COLUMNS) + "\n")
+        for first in range(0, len(toolpath), ROWS_AT_ONCE):
+            texts = _texts(toolpath, slice(first, first + ROWS_AT_ONCE))
+            table.write("\n".join(map(",".join, zip(*texts.values(), strict=True))) + "\n")
+            texts["kind"] = [f'"{kind}"' for kind in texts["kind"]]
+            for name, column in columns.items():
+                column.write((", " if first else "") + ", ".join(texts[name]))
+
+
+def _write_columns(header: dict[str, Any], path: Path, columns: dict[str, TextIO]) -> None:
+    """What was planned, and the columns one after the other."""
     described = json.dumps({"format": FORMAT, **header}, allow_nan=False).removesuffix("}")
-    listed = ", ".join(f'"{name}": [{", ".join(parts)}]' for name, parts in columns.items())
-    return "\n".join(lines) + "\n", f'{described}, "columns": {{{listed}}}}}\n'
+    with path.open("w", encoding="utf-8") as out:
+        before = f'{described}, "columns": {{'
+        for name, column in columns.items():
+            out.write(f'{before}"{name}": [')
+            column.seek(0)
+            shutil.copyfileobj(column, out, COPIED_AT_ONCE)
+            before = "], "
+        out.write("]}}\n")
 
 
 def _texts(toolpath: Toolpath, rows: slice) -> dict[str, list[str]]:

@@ -14,7 +14,7 @@ from brep_slicer.planning.report import header_of_plan
 
 from .atomic import ensure_folder, write_text
 from .pictures import draw_layers, draw_toolpath
-from .tables import csv_metadata, tables_from_toolpath
+from .tables import csv_metadata, write_tables
 
 if TYPE_CHECKING:
     from brep_slicer.planning import Plan, PlanSections
@@ -54,10 +54,8 @@ def write_plan(
     proven = plan.proof() if proof else []
     written = [write_report(plan, place, **({"proof": proven} if proof else {}))]
     header = header_of_plan(plan)
-    table, columns = tables_from_toolpath(plan.toolpath, header)
-    written.append(write_text(place / "toolpath.csv", table))
-    written.append(write_text(place / "toolpath.csv-metadata.json", csv_metadata(header)))
-    written.append(write_text(place / "toolpath.json", columns))
+    table, columns = write_tables(plan.toolpath, header, place)
+    written += [table, write_text(place / "toolpath.csv-metadata.json", csv_metadata(header)), columns]
     if pictures:
         written.append(draw_layers(plan, place / "layers.png"))
         written.append(draw_toolpath(plan, place / "toolpath.png"))

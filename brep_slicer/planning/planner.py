@@ -164,11 +164,11 @@ def _deposits(layers: Sequence[Layer], fills: Sequence[LayerFill], by_feature: b
         return made
     features = features_of([layer.region for layer in layers])
     count = 1 + max((n for numbers in features for n in numbers), default=-1)
-    parts = [
-        replace(layer, beads=tuple(bead for bead in layer.beads if numbers[bead.piece] == feature))
-        for feature in range(count)
-        for layer, numbers in zip(made, features, strict=True)
-    ]
+    parts = []
+    for feature in range(count):
+        for layer, pieces in zip(made, features, strict=True):
+            mine = tuple(k for k, bead in enumerate(layer.beads) if pieces[bead.piece] == feature)
+            parts.append(replace(layer, beads=tuple(layer.beads[k] for k in mine), numbers=mine))
     return [part for part in parts if part.beads]
 
 

@@ -24,12 +24,16 @@ from .toolpath import Toolpath
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DepositLayer:
-    """One layer as it is deposited: its number, `radius` and `thickness` in mm, its beads in order."""
+    """One layer as it is deposited: its number, `radius` and `thickness` in mm, its beads in order.
+
+    `numbers` are those of its beads in the layer, where these are not all that it has, or not in the fill's order.
+    """
 
     index: int
     radius: float
     thickness: float
     beads: tuple[Bead, ...]
+    numbers: tuple[int, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,12 +78,14 @@ def lift_layers(layers: Sequence[DepositLayer], motion: Motion, axis: Axis, obst
         rows = _Rows(
             layer=none, bead=none, deposits=none.astype(bool), flat=np.zeros((0, 2)), radius=none, order=none, speed=none
         )
-        return _toolpath(rows, axis)
-    return _toolpath(_merged(_bead_rows(table, motion), _travel_rows(table, motion, obstacles)), axis)
+        return _toolpath(rows, table.number, axis)
+    rows = _merged(_bead_rows(table, motion), _travel_rows(table, motion, obstacles))
+    return _toolpath(rows, table.number, axis)
 
 
 class _BeadTable:
-    """All beads of all layers side by side, with their leads: points, where each begins, its layer's figures.
+    """All beads of all layers side by side, with their leads: points, where each begins, its layer's figures, its
+    `number` there.
 
     `lead` marks the points that are a bead's lead-in or lead-out: the segments that touch them are not deposited.
     """
@@ -92,6 +98,8 @@ class _BeadTable:
         self.factor = np.concatenate([np.zeros(0), *(factor for _, factor, _ in runs)])
         self.lead = np.concatenate([np.zeros(0, dtype=bool), *(lead for _, _, lead in runs)])
         self.bead = np.repeat(np.arange(len(beads)), counts)
+        numbers = [range(len(layer.beads)) if layer.numbers is None else layer.numbers for layer in layers]
+        self.number = np.array([number for some in numbers for number in some], dtype=np.int64)
         self.layer = np.array([layer.index for layer, _ in beads], dtype=int)
         self.radius = np.array([layer.radius for layer, _ in beads])
         self.thickness = np.array([layer.thickness for layer, _ in beads])
@@ -230,10 +238,10 @@ def _merged(beads: _Rows, travels: _Rows) -> _Rows:
     return _Rows(layer=layer, bead=bead, deposits=deposits, flat=flat, radius=radius, order=order, speed=speed)
 
 
-def _toolpath(rows: _Rows, axis: Axis) -> Toolpath:
+def _toolpath(rows: _Rows, number: NDArray[np.int64], axis: Axis) -> Toolpath:
     return Toolpath(
         layer=rows.layer.astype(np.int64),
-        bead=rows.bead.astype(np.int64),
+        bead=number[rows.bead.astype(np.int64)],
         deposits=rows.deposits,
         points=axis.file_from_axis(cartesian_from_flat(rows.flat, rows.radius)),
         normals=axis.file_from_axis_vectors(normals_from_flat(rows.flat, rows.radius)),

@@ -27,7 +27,8 @@ class Toolpath:
     Attributes
     ----------
     layer, bead : ndarray of int, shape (n,)
-        Layer from 0; bead ids unique in the file; a travel belongs to the layer and the bead that it goes to.
+        Layer from 0, and the bead's number in its layer, from 0 in the order of its fill: both are the same whichever layers
+        are planned with it, and together they name a bead. A travel belongs to the layer and the bead that it goes to.
     deposits : ndarray of bool, shape (n,)
         Whether the segment that ends here is deposited (else it is travel).
     points, normals : ndarray, shape (n, 3)
@@ -60,7 +61,7 @@ class Toolpath:
     def __repr__(self) -> str:
         length, layers = self.segment_lengths(), len(np.unique(self.layer))
         laid, moved = (in_words_of_length(float(length[mine].sum())) for mine in (self.deposits, ~self.deposits))
-        beads = counted(len(np.unique(self.bead)), "bead")
+        beads = counted(int(self.runs().max(initial=-1)) + 1, "bead")
         return f"Toolpath({counted(layers, 'layer')}, {beads}, {counted(len(self), 'point')}, {laid} deposited, {moved} travel)"
 
     def __len__(self) -> int:
@@ -72,6 +73,13 @@ class Toolpath:
         return all(np.array_equal(getattr(self, name), getattr(other, name)) for name in self.__slots__)
 
     __hash__ = None  # type: ignore[assignment]
+
+    def runs(self) -> NDArray[np.int64]:
+        """Which bead of the whole toolpath each row belongs to, counted from 0 in the order of deposition, shape (n,)."""
+        if not len(self):
+            return np.zeros(0, dtype=np.int64)
+        other = (np.diff(self.bead) != 0) | (np.diff(self.layer) != 0)
+        return np.concatenate([[0], np.cumsum(other)])
 
     def segment_lengths(self) -> Array:
         """Length of the segment that ends at each row, mm, shape (n,); 0 for the first.

@@ -55,7 +55,7 @@ def metal_by_piece(plan: Plan) -> list[Found]:
     process, path = plan.process, plan.toolpath
     usual = process.value("deposition_speed_mm_s")
     share = np.where(path.deposits, path.segment_lengths() * usual / path.speed, 0.0)
-    held = np.bincount(path.bead, weights=share)
+    held = np.bincount(path.runs(), weights=share)
     beads = [(layer, bead) for layer, fill in zip(plan.layers, plan.fills, strict=True) for bead in fill.beads]
     metal: dict[tuple[int, int], float] = {}
     for k, (layer, bead) in enumerate(beads):

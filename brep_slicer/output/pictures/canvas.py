@@ -83,7 +83,7 @@ class Canvas:
         side = np.stack([-ways[:, 1], ways[:, 0]], axis=1)
         back = tips - size * HEAD * ways
         heads = np.stack([tips, back + size * HALF_HEAD * side, back - size * HALF_HEAD * side], axis=1)
-        for p in (FINE * heads).reshape(len(tips), -1).tolist():
+        for p in (FINE * heads).reshape(len(tips), 6).tolist():
             self._draw.polygon(p, fill=color)
 
     def page(self) -> Image:

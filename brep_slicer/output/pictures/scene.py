@@ -160,7 +160,8 @@ def stretches_of(plan: Plan, longest: float, shortest: float) -> Stretches:
     p, q = path.points[start][of], path.points[end][of]
     n, m = path.normals[start][of], path.normals[end][of]
     same = np.zeros(len(of) + 1, dtype=bool)
-    same[1:-1] = path.bead[end[of[1:]]] == path.bead[end[of[:-1]]]
+    bead = path.runs()[end[of]]
+    same[1:-1] = bead[1:] == bead[:-1]
     return Stretches(
         a=p + low * (q - p),
         b=p + high * (q - p),
@@ -179,7 +180,8 @@ def _thinned(plan: Plan, end: Array, start: Array, size: Array, shortest: float)
     step = np.floor(np.cumsum(size) / shortest)
     kept = np.ones(len(end), dtype=bool)
     straight = np.einsum("ij,ij->i", way[1:], way[:-1]) > STRAIGHT
-    kept[:-1] = (step[1:] != step[:-1]) | (path.bead[end[1:]] != path.bead[end[:-1]]) | ~straight
+    bead = path.runs()[end]
+    kept[:-1] = (step[1:] != step[:-1]) | (bead[1:] != bead[:-1]) | ~straight
     last = np.flatnonzero(kept)
     return end[last], start[np.concatenate([[0], last[:-1] + 1])[: len(last)]]
 

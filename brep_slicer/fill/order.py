@@ -179,12 +179,15 @@ def _best_place(ends: Array, order: Order, begin: int, length: int, closure: Clo
     part, rest = order[begin : begin + length], order[:begin] + order[begin + length :]
     starts, stops = _run(ends, rest)
     following = np.append(closure.distances(stops[:-1], starts[1:]), 0.0)
-    now, out = travel_of(ends, order, closure), order
+    now, out = np.inf, order
     for turned in (part, [(k, not back) for k, back in part[::-1]]):
         a, b = _run(ends, turned)
         own = float(closure.distances(b[:-1], a[1:]).sum())
         after = np.append(closure.distances(b[-1], starts[1:]), 0.0)
         cost = float(following.sum()) + own + closure.distances(stops, a[0]) + after - following
+        if turned is part:
+            # where it is
+            now = float(cost[begin - 1])
         k = int(cost.argmin())
         if cost[k] < now - LEAST:
             now, out = float(cost[k]), [*rest[: k + 1], *turned, *rest[k + 1 :]]

@@ -79,17 +79,20 @@ def bernstein(x: Array, degree: int, derivative: int) -> Array:
     if derivative > degree:
         return np.zeros((len(x), degree + 1))
     lower = degree - derivative
-    up, down = np.ones((len(x), lower + 1)), np.ones((len(x), lower + 1))
-    if lower:
-        np.cumprod(np.broadcast_to(x[:, None], (len(x), lower)), axis=1, out=up[:, 1:])
-        np.cumprod(np.broadcast_to(1.0 - x[:, None], (len(x), lower)), axis=1, out=down[:, 1:])
-    values = up * down[:, ::-1] * _binomials(lower)
+    values = _powers(x, lower) * _powers(1.0 - x, lower)[:, ::-1] * _binomials(lower)
     for k in range(derivative):
         wide = np.zeros((len(x), values.shape[1] + 1))
         wide[:, 1:] = values
         wide[:, :-1] -= values
         values = wide * (lower + 1 + k)
     return values
+
+
+def _powers(x: Array, highest: int) -> Array:
+    """1, x, x**2, ... of each x (n,), shape (n, highest + 1), by products: faster than powers, and as exact."""
+    factors = np.ones((len(x), highest + 1))
+    factors[:, 1:] = x[:, None]
+    return np.multiply.accumulate(factors, axis=1)
 
 
 def bernstein_with_slope(x: Array, degree: int) -> tuple[Array, Array]:

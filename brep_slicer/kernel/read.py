@@ -139,13 +139,18 @@ def _stated_unit(text: str) -> tuple[str, float] | None:
     It is the one that the representation contexts refer to (files may define others that nothing uses), else the first
     conversion based one, which refers to a metric one itself, else the first metric one.
     """
-    defined = re.findall(r"#\d+\s*=\s*(\([^;]*?LENGTH_UNIT\s*\([^;]*);", text, flags=re.S)
-    converted_first = sorted(defined, key=lambda entity: "CONVERSION_BASED_UNIT" not in entity)
-    for entity in [*_entities_of_contexts(text), *converted_first]:
-        unit = _unit_of(entity, text)
-        if unit is not None:
-            return unit
+    for entities in (_entities_of_contexts, _entities_defined):
+        for entity in entities(text):
+            unit = _unit_of(entity, text)
+            if unit is not None:
+                return unit
     return None
+
+
+def _entities_defined(text: str) -> list[str]:
+    """Every unit of length that a file defines, those based on others first."""
+    defined = re.findall(r"#\d+\s*=\s*(\([^;]*?LENGTH_UNIT\s*\([^;]*);", text, flags=re.S)
+    return sorted(defined, key=lambda entity: "CONVERSION_BASED_UNIT" not in entity)
 
 
 def _entities_of_contexts(text: str) -> list[str]:

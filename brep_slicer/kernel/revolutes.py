@@ -180,13 +180,13 @@ def sampled(surface: Any, face: Any, count: int) -> tuple[np.ndarray, np.ndarray
     steps = (np.arange(count) + 0.5) / count
     points, along_u, along_v, held = [], [], [], []
     point, du, dv = gp_Pnt(), gp_Vec(), gp_Vec()
-    for u in bounds[0] + steps * (bounds[1] - bounds[0]):
-        for v in bounds[2] + steps * (bounds[3] - bounds[2]):
-            surface.D1(float(u), float(v), point, du, dv)
+    for u in (bounds[0] + steps * (bounds[1] - bounds[0])).tolist():
+        for v in (bounds[2] + steps * (bounds[3] - bounds[2])).tolist():
+            surface.D1(u, v, point, du, dv)
             points.append((point.X(), point.Y(), point.Z()))
             along_u.append((du.X(), du.Y(), du.Z()))
             along_v.append((dv.X(), dv.Y(), dv.Z()))
-            held.append(inside.Perform(gp_Pnt2d(float(u), float(v))) in (TopAbs_IN, TopAbs_ON))
+            held.append(inside.Perform(gp_Pnt2d(u, v)) in (TopAbs_IN, TopAbs_ON))
     normals = np.cross(along_u, along_v)
     size = np.linalg.norm(normals, axis=1)
     chosen = np.array(held) if any(held) else np.ones(len(points), dtype=bool)

@@ -5,7 +5,6 @@ In: a Plan. Out: PNG files. Deposition is red and repositioning blue, as in the 
 
 from .axes import draw_layer
 from .layers import draw_layers
-from .proof import draw_proof
 from .toolpath import draw_toolpath
 
-__all__ = ["draw_layer", "draw_layers", "draw_proof", "draw_toolpath"]
+__all__ = ["draw_layer", "draw_layers", "draw_toolpath"]

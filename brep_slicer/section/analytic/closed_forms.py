@@ -258,6 +258,7 @@ def loops_on_planes(brep: Brep, face: Face, radii: Array, busy: set[int], level:
         not isinstance(face.surface, ElementarySurface)
         or face.surface.kind is not SurfaceKind.PLANE
         or abs(normal[2]) <= PARALLEL
+        or len(busy) == len(radii)
     ):
         return arcs
     loops = [_lowest_and_winding(brep, loop, level, vertex_rho) for loop in face.loops]

@@ -23,12 +23,22 @@ class Ground:
     def __init__(self, faces: Sequence[Face]) -> None:
         self.faces = tuple(faces)
         self.box = np.array([face.box for face in faces])
-        self.scale = np.array([_lengths(face.surface, face.box) for face in faces])
         self.derivatives: Callable[[Which, Array], tuple[Array, Array, Array]]
         if len(faces) == 1:
             self.derivatives = lambda which, uv: faces[0].surface.derivatives(uv)
         else:
             self.derivatives = BSplineSurfacePack([f.surface for f in faces]).derivatives  # type: ignore[misc]
+        self.scale = self._lengths()
+
+    def _lengths(self) -> Array:
+        """Mean lengths (faces, 2) of S_u and S_v over the boxes."""
+        steps = np.linspace(0.0, 1.0, 5)
+        share = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)
+        uv = self.box[:, None, 0] + share * (self.box[:, None, 1] - self.box[:, None, 0])
+        count = len(self.faces)
+        _, su, sv = self.derivatives(np.repeat(np.arange(count), len(share)), uv.reshape(-1, 2))
+        sizes = [np.linalg.norm(along, axis=1).reshape(count, -1).mean(axis=1) for along in (su, sv)]
+        return np.maximum(np.stack(sizes, axis=1), 1e-12)
 
     def gap(self, which: Which, uv: Array, radius: Array) -> tuple[Array, Array, Array]:
         """(rho - R, d rho / du, d rho / dv) at uv (n, 2)."""
@@ -45,15 +55,6 @@ def _gap(found: tuple[Array, Array, Array], radius: Array) -> tuple[Array, Array
     rho = radii_of(p)
     safe = np.maximum(rho, 1e-300)
     return rho - radius, (p[:, 0] * su[:, 0] + p[:, 1] * su[:, 1]) / safe, (p[:, 0] * sv[:, 0] + p[:, 1] * sv[:, 1]) / safe
-
-
-def _lengths(surface: Surface, box: Array) -> Array:
-    """Mean lengths of S_u and S_v over the box: what a step in u or v is in mm."""
-    lines = [np.linspace(box[0, k], box[1, k], 5) for k in (0, 1)]
-    grid = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
-    _, su, sv = surface.derivatives(grid)
-    sizes = np.array([np.linalg.norm(su, axis=1).mean(), np.linalg.norm(sv, axis=1).mean()])
-    return np.maximum(sizes, 1e-12)
 
 
 def grouped(faces: Sequence[Face]) -> list[list[int]]:

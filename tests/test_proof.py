@@ -28,7 +28,7 @@ from brep_slicer.layers import cylinder
 from brep_slicer.proof import coverage_of, deposit_of, step_over_of
 from brep_slicer.region import region_from_loops
 
-from .test_fill import ARGS, TURN, D, R, W, band, box
+from .test_fill import ARGS, D, R, W, band, box
 from .test_patterns import plain_band
 
 Z = bs.axis_from_text("Z")

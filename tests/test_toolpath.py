@@ -9,6 +9,7 @@ import pytest
 
 import brep_slicer as bs
 from brep_slicer.substrate.axis import axis_from_line, axis_from_text
+from brep_slicer.toolpath import Obstacles
 
 Z = axis_from_text("Z")
 
@@ -251,3 +252,29 @@ def test_contours_at_a_speed_of_their_own(tooth_plan):
     speeds = path.speed[path.deposits]
     assert np.allclose(speeds[kinds[path.deposits] == "contour"], 6.0)
     assert np.allclose(speeds[kinds[path.deposits] != "contour"], 9.0)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("count", [1, 255, 900])
+def test_what_stands_in_a_sweep_by_its_definition(seed, count):
+    # box by box: those whose arc and heights meet the sweep's, margin and all, over the angle's jump too
+    random = np.random.default_rng(seed)
+    n, margin, radius = 60, 1.5, 40.0
+    boxes = Obstacles(
+        theta=random.uniform(-np.pi, np.pi, n),
+        half=random.uniform(0.0, 0.2, n),
+        z_low=(z := random.uniform(-50.0, 50.0, n)),
+        z_high=z + random.uniform(0.0, 5.0, n),
+        radius=random.uniform(40.0, 60.0, n),
+    )
+    start = np.stack([random.uniform(-9.0, 9.0, count), np.sort(random.uniform(-60.0, 60.0, count))], axis=1)
+    end = start + random.normal(size=(count, 2)) * [0.5, 4.0]
+    found = boxes.highest(start, end, margin, radius)
+    for a, b, value in zip(start, end, found, strict=True):
+        reach = 0.5 * abs(b[0] - a[0]) + margin / radius + boxes.half
+        turn = 0.5 * (a[0] + b[0]) - boxes.theta
+        meets = np.arccos(np.clip(np.cos(turn), -1.0, 1.0)) <= reach
+        low, high = min(a[1], b[1]) - margin, max(a[1], b[1]) + margin
+        meets &= (boxes.z_high >= low) & (boxes.z_low <= high)
+        assert value == boxes.radius[meets].max(initial=0.0)
+    assert (found > 0.0).mean() > 0.2 or count == 1

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from brep_slicer.fill import LayerFill
+from brep_slicer.maps import Array
 from brep_slicer.notices import Notice, NoticeKind, grouped
 from brep_slicer.process import Process
 from brep_slicer.region import FailedLayer, Layer, overlapping_area, overlapping_pieces
@@ -60,7 +61,7 @@ def notices_of_fills(layers: Sequence[Layer], fills: Sequence[LayerFill], proces
     said = [note.on_layer(layer.index) for layer, fill in zip(layers, fills, strict=True) for note in fill.notes]
     laid = [laid_by_piece(fill, process) for fill in fills]
     return grouped(
-        [*said, *_almost_bare(layers, fills, process), *_built_on_too_little(layers, laid), *_metal(layers, fills, process)]
+        [*said, *_almost_bare(layers, fills, laid, process), *_built_on_too_little(layers, laid), *_metal(layers, laid)]
     )
 
 
@@ -82,20 +83,18 @@ def _lying_over_themselves(layers: Sequence[Layer], process: Process) -> list[No
     return out
 
 
-def _almost_bare(layers: Sequence[Layer], fills: Sequence[LayerFill], process: Process) -> list[Notice]:
+def _almost_bare(
+    layers: Sequence[Layer], fills: Sequence[LayerFill], laid: Sequence[dict[int, float]], process: Process
+) -> list[Notice]:
     """Pieces whose beads, if they have any, hold next to none of the metal they need, or cannot cover them."""
     scarce = "its beads hold less than a tenth of the metal that it needs"
     scarce += "; a smaller step-over or inset, contours or a skeleton fill it"
     bare = "its beads leave more than a fifth of it bare; a smaller step-over or inset, contours or another pattern cover it"
     out = []
-    for layer, fill in zip(layers, fills, strict=True):
-        laid = laid_by_piece(fill, process)
-        covered: dict[int, float] = {}
-        for bead in fill.beads:
-            # no line of this length covers more, whatever its way
-            most = bead.length() * process.width + 0.25 * math.pi * process.width**2
-            covered[bead.piece] = covered.get(bead.piece, 0.0) + most
-        for number, metal in laid.items():
+    for layer, fill, held in zip(layers, fills, laid, strict=True):
+        # no line of this length covers more, whatever its way
+        covered = _by_piece(fill, _lengths(fill)[0] * process.width + 0.25 * math.pi * process.width**2)
+        for number, metal in held.items():
             area = layer.region.pieces[number].area()
             too_little = metal < NEXT_TO_NONE * area
             uncovered = covered[number] < (1.0 - SURELY_BARE) * area and process.width >= process.step_over
@@ -131,27 +130,38 @@ def _built_on_too_little(layers: Sequence[Layer], laid: Sequence[dict[int, float
 
 def laid_by_piece(fill: LayerFill, process: Process) -> dict[int, float]:
     """The area (mm**2) that the beads of each piece that has any fill at the height t: their lengths times d."""
-    laid: dict[int, float] = {}
-    for bead in fill.beads:
-        laid[bead.piece] = laid.get(bead.piece, 0.0) + _equal_length(bead) * process.step_over
-    return laid
+    return _by_piece(fill, _lengths(fill)[1] * process.step_over)
 
 
-def _metal(layers: Sequence[Layer], fills: Sequence[LayerFill], process: Process) -> list[Notice]:
+def _by_piece(fill: LayerFill, shares: Array) -> dict[int, float]:
+    """What the beads of each piece that has any have together, of a number for each bead."""
+    if not fill.beads:
+        return {}
+    pieces, at = np.unique([bead.piece for bead in fill.beads], return_inverse=True)
+    return dict(zip(pieces.tolist(), np.bincount(at, weights=shares).tolist(), strict=True))
+
+
+def _metal(layers: Sequence[Layer], laid: Sequence[dict[int, float]]) -> list[Notice]:
     """t d times the beads' length (slower where their speed is less) against t times the area, layer by layer."""
     text = "the beads hold {share} times the metal that the layer needs; --proof shows where"
     out = []
-    for layer, fill in zip(layers, fills, strict=True):
-        if fill.beads and layer.area > 0.0:
-            share = math.fsum(laid_by_piece(fill, process).values()) / layer.area
+    for layer, held in zip(layers, laid, strict=True):
+        if held and layer.area > 0.0:
+            share = math.fsum(held.values()) / layer.area
             if not LEAST_METAL <= share <= MOST_METAL:
                 out.append(_of_layer(NoticeKind.METAL, layer, text, share=share))
     return out
 
 
-def _equal_length(bead) -> float:
-    """The length (mm) at the common speed that holds as much metal as a bead."""
-    steps = np.hypot(*np.diff(bead.points, axis=0).T)
-    if bead.speed is None:
-        return float(steps.sum())
-    return float((steps / (0.5 * (bead.speed[1:] + bead.speed[:-1]))).sum())
+def _lengths(fill: LayerFill) -> tuple[Array, Array]:
+    """The lengths (mm) of the beads, and those at the common speed that hold as much metal."""
+    if not fill.beads:
+        return np.zeros(0), np.zeros(0)
+    counts = np.array([len(bead.points) for bead in fill.beads])
+    speeds = np.concatenate([np.ones(len(bead.points)) if bead.speed is None else bead.speed for bead in fill.beads])
+    steps = np.hypot(*np.diff(np.concatenate([bead.points for bead in fill.beads]), axis=0).T)
+    mean, bead = 0.5 * (speeds[1:] + speeds[:-1]), np.repeat(np.arange(len(counts)), counts)
+    # not the steps from one bead to the next
+    own = bead[1:] == bead[:-1]
+    of, steps = bead[1:][own], steps[own]
+    return tuple(np.bincount(of, weights=w, minlength=len(counts)) for w in (steps, steps / mean[own]))  # type: ignore[return-value]

@@ -16,6 +16,8 @@ from brep_slicer.maps import TURN, Array
 
 # Every face is covered by this many cells a side; a cell counts with its highest corner and its own size as margin.
 CELLS = 16
+# Sweeps at a time that are held against the boxes near all of them.
+SWEEPS_AT_ONCE = 256
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -47,13 +49,29 @@ class Obstacles:
         """
         if not len(self.theta):
             return np.zeros(len(start))
-        wide = margin / at_radius
-        middle, reach = 0.5 * (start[:, 0] + end[:, 0]), 0.5 * np.abs(end[:, 0] - start[:, 0])
-        gap = np.abs(np.mod(middle[:, None] - self.theta[None] + np.pi, TURN) - np.pi)
-        meets = gap <= reach[:, None] + self.half[None] + wide
+        middle, reach = 0.5 * (start[:, 0] + end[:, 0]), 0.5 * np.abs(end[:, 0] - start[:, 0]) + margin / at_radius
         low, high = np.minimum(start[:, 1], end[:, 1]) - margin, np.maximum(start[:, 1], end[:, 1]) + margin
-        meets &= (self.z_high[None] >= low[:, None]) & (self.z_low[None] <= high[:, None])
-        return np.where(meets, self.radius[None], 0.0).max(axis=1)
+        out = np.zeros(len(start))
+        # sweeps that follow one another lie near each other: few boxes meet any of them
+        for first in range(0, len(start), SWEEPS_AT_ONCE):
+            rows = slice(first, first + SWEEPS_AT_ONCE)
+            out[rows] = self._highest(middle[rows], reach[rows], low[rows], high[rows])
+        return out
+
+    def _highest(self, middle: Array, reach: Array, low: Array, high: Array) -> Array:
+        """Outermost radius (mm) in the sweeps `reach` (rad) to either side of `middle`, from height `low` to `high`."""
+        around = float((_apart(middle, middle[0]) + reach).max())
+        near = np.flatnonzero(
+            (self.z_high >= low.min()) & (self.z_low <= high.max()) & (_apart(self.theta, middle[0]) <= self.half + around)
+        )
+        meets = _apart(middle[:, None], self.theta[near]) <= reach[:, None] + self.half[near]
+        meets &= (self.z_high[near] >= low[:, None]) & (self.z_low[near] <= high[:, None])
+        return np.where(meets, self.radius[near], 0.0).max(axis=1, initial=0.0)
+
+
+def _apart(a: Array, b: Array | float) -> Array:
+    """The angle (rad, not above pi) between directions."""
+    return np.abs(np.mod(a - b + np.pi, TURN) - np.pi)
 
 
 def obstacles_of(solids: Sequence[Brep], beyond: float) -> Obstacles:

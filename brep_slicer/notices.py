@@ -35,6 +35,7 @@ class NoticeKind(enum.Enum):
     BARE = "bare piece"
     METAL = "metal of a layer"
     PIECE_METAL = "metal of a piece"
+    PEAK = "peak of the deposit"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -183,7 +183,7 @@ def test_the_proof_tells_the_spacings_of_a_hatch_from_those_at_its_contour(fixtu
     assert f"contour-hatch {span} at {off} of {ends['spacings']} places, where they meet on purpose" in said
 
 
-def row_of(pairs, *, bare=0.001, height=1.0, layer=0):
+def row_of(pairs, *, bare=0.001, height=1.0, layer=0, peak=1.5):
     """A row of a proof with these neighbours: (places, as planned) by pair."""
     known = {
         pair: {
@@ -195,7 +195,9 @@ def row_of(pairs, *, bare=0.001, height=1.0, layer=0):
         for pair, (n, k) in pairs.items()
     }
     measured = {"spacings": sum(n for n, _ in pairs.values()), "planned": [3.4], "by_neighbours": known}
-    return {"layer": layer, "bare_share": bare, "mean_height_over_t": height, "step_over_measured_mm": measured}
+    heights = {"mean_height_over_t": height, "peak_height_over_t": peak}
+    place = {"piece": 4, "kappa_mm": 12.5, "v_mm": -3.0}
+    return {"layer": layer, "bare_share": bare, **heights, "peak_at": place, "step_over_measured_mm": measured}
 
 
 @pytest.mark.parametrize(
@@ -210,6 +212,10 @@ def row_of(pairs, *, bare=0.001, height=1.0, layer=0):
             "uneven: 1 layer whose mean height is off t by more than 2%, most ",
         ),
         (row_of({"ring-ring": (9, 9)}, height=0.97), "uneven: 1 layer whose mean height"),
+        (
+            row_of({"ring-ring": (9, 9)}, peak=2.13, layer=3),
+            "uneven: highest 2.13 t (layer 3, piece 4, at kappa 12.5, v -3 mm); beads",
+        ),
         (row_of({}), "even; no two beads beside each other"),
     ],
 )

@@ -12,6 +12,8 @@ import pytest
 import brep_slicer as bs
 from brep_slicer.curves import LineCurve, Loop
 from brep_slicer.fill import (
+    Bead,
+    BeadKind,
     Contours,
     FlankFollowing,
     Hatch,
@@ -25,7 +27,7 @@ from brep_slicer.fill import (
 )
 from brep_slicer.fill.order import travel_of
 from brep_slicer.layers import cylinder
-from brep_slicer.proof import coverage_of, deposit_of, step_over_of
+from brep_slicer.proof import coverage_of, deposit_of, evenness_of, step_over_of
 from brep_slicer.region import region_from_loops
 
 from .test_fill import ARGS, D, R, W, band, box
@@ -106,13 +108,51 @@ def test_a_square_contour_lays_its_own_metal_and_all_its_corners_are_alike(start
     assert np.nanmax(made.heights) < 1.5 * middle
 
 
+@pytest.mark.parametrize("amount", [1.0, 0.5, 1.6])
+def test_the_peak_of_one_bead_in_closed_form(amount):
+    bead = Bead(points=[(-20.0, 0.0), (20.0, 0.0)], kind=BeadKind.HATCH, speed=[1.0 / amount, 1.0 / amount])
+    region = polygon((-30, -10), (30, -10), (30, 10), (-30, 10))
+    found = evenness_of(region, [bead], width=W, thickness=T, step_over=D, tolerance=0.02)
+    # 1.5 t d / w (1 - (2 s / w)**2) averaged over s = -w / 4 to w / 4
+    assert found.peak == pytest.approx(amount * 1.5 * T * D / W * (1.0 - 1.0 / 12.0), rel=5e-3)
+    assert found.peak_at is not None
+    assert abs(found.peak_at[1]) < W / 24.0
+    # two beads on one another are twice as high, and a second piece elsewhere does not move the place
+    twice = evenness_of(region, [bead, bead], width=W, thickness=T, step_over=D, tolerance=0.02)
+    assert twice.peak == pytest.approx(2.0 * found.peak, rel=1e-9)
+
+
+def test_a_proof_says_its_peak_and_warns_of_a_high_one(fixture_step):
+    part = bs.read_step(fixture_step("spur_gear_tooth"))
+    process = bs.Process(layer_thickness=4.0, step_over=D, contours=1, pattern="hatch")
+    made = bs.plan(part, process, layers="0:2")
+    rows = made.proof()
+    assert not made.proof_notices
+    assert all(1.0 < row["peak_height_over_t"] < 2.0 for row in rows)
+    for row in rows:
+        k0, v0, k1, v1 = made.layers[row["layer"]].region.pieces[row["peak_at"]["piece"]].bounds()
+        assert k0 <= row["peak_at"]["kappa_mm"] <= k1
+        assert v0 <= row["peak_at"]["v_mm"] <= v1
+    # hatch lines that end on the contour's own centre line
+    piled = bs.plan(part, process.updated(overlap=D, balance=False), layers="0:2")
+    assert not piled.proof_notices
+    piled.proof()
+    (said,) = piled.proof_notices
+    assert said.layers == (0, 1)
+    assert "higher than 2 t" in str(said)
+    assert "piece 0, at kappa" in str(said)
+    assert str(said) in piled.warnings
+    assert said.as_dict() in piled.report()["notices"]
+
+
 def test_a_line_that_turns_back_beside_itself_lays_its_own_metal():
     from brep_slicer.fill import Zigzag
 
     (bead,) = fill_region(box(), Zigzag(angle=0.3), **ARGS).beads
     slow = replace(bead, speed=np.linspace(0.5, 2.0, len(bead.points)))
-    steps, metal = np.hypot(*np.diff(bead.points, axis=0).T), 1.0 / slow.speed
-    for laid, length, ends in ((bead, steps.sum(), 2.0), (slow, (steps * 0.5 * (metal[1:] + metal[:-1])).sum(), 2.5)):
+    # as the toolpath lays it: each segment at the mean of the speeds at its ends, and so its round end
+    steps, metal = np.hypot(*np.diff(bead.points, axis=0).T), 2.0 / (slow.speed[1:] + slow.speed[:-1])
+    for laid, length, ends in ((bead, steps.sum(), 2.0), (slow, (steps * metal).sum(), metal[0] + metal[-1])):
         made = deposit_of(box_around(), [laid], width=W, thickness=T, step_over=D)
         cell = made.kappa[1] - made.kappa[0]
         expected = T * D * (length + ends * 3.0 * math.pi / 32.0 * W)

@@ -304,6 +304,7 @@ def plan(
     if proof:
         with _progress("proof") as advance:
             made.proof(progress=advance)
+        warn(made.proof_notices)
     written = write_plan(made, out, allow_failed=allow_failed, step=step, dxf=dxf, proof=proof)
     say(made, proof=proof)
     typer.echo("written: " + ", ".join(str(path) for path in written))

@@ -28,6 +28,7 @@ from .metal import ROUND_END, courses_of, metal_of
 from .nearest import amounts_by_nearest
 from .scanlines import directions
 from .strips import strip_areas
+from .within import LEAST_WITHIN, Within
 
 # A straight bead that meets the outline squarely, half a bead inside of it, needs this much more metal at its very end: its
 # round end holds 3 pi / 32 w of the w / 2 that are left there, and the rest is laid on the way to it, over another w / 2.
@@ -91,21 +92,25 @@ def metal_shares(
     *,
     step_over: float,
     width: float,
-    inset: float,
     copies: Sequence[int] = (),
-) -> tuple[float, ...]:
-    """For each piece its beads' metal over what it needs; `copies` need what the piece that they equal does."""
-    metal = metal_of(beads, step_over=step_over, width=width)
-    pieces = np.array([bead.piece for bead in beads], dtype=int)
-    laid = np.bincount(pieces, weights=metal, minlength=len(shapes)).tolist()
+) -> list[tuple[float, float]]:
+    """For each piece (the metal of its beads within its outline, the rest of it), over what the piece holds.
+
+    `copies` have what the piece that they equal has.
+    """
     mine: list[list[Bead]] = [[] for _ in shapes]
     for bead in beads:
         mine[bead.piece].append(bead)
-    wanted: list[float] = []
+    out: list[tuple[float, float]] = []
     for i, (shape, each) in enumerate(zip(shapes, mine, strict=True)):
-        leader = copies[i] if copies else i
-        wanted.append(wanted_area(shape, each, inset=inset, step_over=step_over) if leader == i else wanted[leader])
-    return tuple(have / need if need > 0.0 else 0.0 for have, need in zip(laid, wanted, strict=True))
+        if copies and copies[i] != i:
+            out.append(out[copies[i]])
+            continue
+        area = shape.piece.area()
+        inside = float(metal_of(each, step_over=step_over, width=width, within=Within(shape, width)).sum())
+        whole = float(metal_of(each, step_over=step_over, width=width).sum())
+        out.append((inside / area, max(whole - inside, 0.0) / area) if area > 0.0 else (0.0, 0.0))
+    return out
 
 
 def with_balanced_metal(
@@ -151,15 +156,17 @@ def with_balanced_metal(
 def _scaled(task: _Task, laid: Laid) -> list[Bead]:
     """The beads with their amounts within the limits, all scaled so that they hold the metal that they have to."""
     low, high = task.limits
-    courses = courses_of(laid.points, [bead.closed for bead in task.beads], task.width)
+    courses = courses_of(laid.points, [bead.closed for bead in task.beads], task.width).within(task.within)
+    # of what lies beyond the outline because the fit asks for it, the piece gets nothing
+    served = laid.served / task.wanted * task.shape.piece.area()
     chosen = np.concatenate(laid.amounts)
     amounts = np.clip(chosen, low, high)
     factor = 1.0
     for _ in range(4):
         metal = float(courses.metal(1.0 / amounts, task.step_over).sum())
-        if abs(metal - laid.served) <= CLOSE * laid.served or metal <= 0.0:
+        if abs(metal - served) <= CLOSE * served or metal <= 0.0:
             break
-        factor = min(max(factor * laid.served / metal, 1.0 - laid.most), 1.0 + laid.most)
+        factor = min(max(factor * served / metal, 1.0 - laid.most), 1.0 + laid.most)
         amounts = np.clip(factor * chosen, low, high)
     speeds = np.split(1.0 / amounts, courses.first[1:])
     return [replace(b, points=p, speed=s) for b, p, s in zip(task.beads, laid.points, speeds, strict=True)]
@@ -180,6 +187,10 @@ class _Task:
     @cached_property
     def wanted(self) -> float:
         return wanted_area(self.shape, self.beads, inset=self.inset, step_over=self.step_over)
+
+    @cached_property
+    def within(self) -> Within:
+        return Within(self.shape, self.width)
 
     def as_it_is(self) -> Laid:
         """The amounts that the beads have."""
@@ -203,7 +214,7 @@ class _Task:
         piece = self.shape.piece
         closure = piece.closure if piece.winds else NO_CLOSURE
         points, amounts, share = amounts_by_nearest(
-            ground, self.beads, step_over=self.step_over, width=self.width, closure=closure
+            ground, self.beads, step_over=self.step_over, width=self.width, closure=closure, within=self.within
         )
         return Laid(points=points, amounts=amounts, served=share * self.wanted, most=MOST_ELSE)
 
@@ -302,9 +313,13 @@ class _Task:
         lines = [shapely.segmentize(shapely.LineString(self.beads[i].points), EVERY * self.step_over) for i in numbers]
         points = [shapely.get_coordinates(line) for line in lines]
         counts = np.cumsum([len(p) for p in points])[:-1]
-        widths = 2.0 * shapely.distance(shapely.points(np.concatenate(points)), edge)
-        amounts = np.split(np.maximum(widths / self.step_over, 1e-6), counts)
-        courses = courses_of(points, [self.beads[i].closed for i in numbers], self.width)
+        places = np.concatenate(points)
+        widths = 2.0 * shapely.distance(shapely.points(places), edge)
+        ways = np.concatenate([np.gradient(p, axis=0) for p in points])
+        ways /= np.maximum(np.hypot(*ways.T), 1e-300)[:, None]
+        shares = np.maximum(self.within.shares(places, ways), LEAST_WITHIN)
+        amounts = np.split(np.maximum(widths / self.step_over / shares, 1e-6), counts)
+        courses = courses_of(points, [self.beads[i].closed for i in numbers], self.width).within(self.within)
         metal = float(courses.metal(1.0 / np.concatenate(amounts), self.step_over).sum())
         return Laid(points=points, amounts=[a * area / metal for a in amounts], served=area, most=MOST_ELSE)
 

@@ -81,9 +81,10 @@ class LayerFill:
 
     `angle` and `step_over` are those used (rad, mm), by piece: on a full turn they differ from those asked by the closing
     rule. `notes` are what is to be warned of (a piece too narrow for a bead, say), never silent. By piece, too: which
-    `patterns` were chosen and why ("" where none had to be), the `metal` of the beads over what the piece needs, how far inside
-    of the outline what the inner pattern has to fill begins (`border`, mm), the `shapes` that areas are measured on, and the
-    first piece whose beads are the same but for a turn about the axis (`copies`; its own number if there is none).
+    `patterns` were chosen and why ("" where none had to be), the `metal` of the beads within the outline over what the piece
+    holds, what they lay `beyond` it (over the same), how far inside of the outline what the inner pattern has to fill begins
+    (`border`, mm), the `shapes` that areas are measured on, and the first piece whose beads are the same but for a turn about
+    the axis (`copies`; its own number if there is none).
     """
 
     beads: tuple[Bead, ...]
@@ -92,6 +93,7 @@ class LayerFill:
     notes: tuple[Notice, ...] = ()
     patterns: tuple[str, ...] = ()
     metal: tuple[float, ...] = ()
+    beyond: tuple[float, ...] = ()
     border: tuple[float, ...] = ()
     shapes: tuple[Shape, ...] = ()
     copies: tuple[int, ...] = ()

@@ -38,11 +38,21 @@ from .zigzag import Zigzag
 MUCH = 0.1
 # Beads that end and start within so many step-overs of each other stay together in any order.
 TOGETHER = 2.0
-# The metal of a piece's beads is what the piece needs within this share, or else that is told of.
+# The metal that beads lay within a piece's outline is what the piece needs within this share, or else that is told of.
 METAL_WITHIN = 0.02
+# Where beads half a width inside of the outline lay more than this share of a piece's metal beyond it, that is told of: the
+# piece is narrower than three quarters of a bead then, which stands out by more than an eighth of its width a side. The report
+# says it of all.
+MOST_BEYOND = 0.1
+BEYOND = "its beads lay {share} times its metal beyond its outline, since it is narrower than they are; a smaller bead fits"
 TOO_MUCH = "its beads hold {share} times its metal: it is narrower than a bead can build at these speeds (fastest, balance)"
 TOO_LITTLE = (
     "its beads hold {share} times its metal: its pattern does not reach all of it; auto or contours do, or slower beads"
+)
+# What lies in corners that beads half a width inside of the outline do not reach is told of from this share of a piece on.
+MOST_IN_CORNERS = 0.02
+IN_CORNERS = (
+    "{share} of it lies in corners that no bead half its width inside of the outline reaches; fit on or a smaller bead does"
 )
 PatternChoice = Callable[[int, Piece], Pattern]
 
@@ -66,7 +76,7 @@ def _inside_of_contours(process: Process, layer: int, inside: Pattern | None) ->
         patterns.append(inside)
     if len(patterns) == 1:
         return patterns[0]
-    return PatternSequence(patterns=tuple(patterns), overlap=process.value("overlap"))
+    return PatternSequence(patterns=tuple(patterns), overlap=process.overlap)
 
 
 def _infill(process: Process, layer: int) -> Pattern:
@@ -141,9 +151,14 @@ def fill_layer(layer: Layer, process: Process, pattern: PatternChoice | None = N
         fill = replace(fill, beads=tuple(bead.reversed() for bead in fill.beads[::-1]))
     beads = with_overlap(fill.beads, process.closing_overlap)
     beads = tuple(_at_contour_speed(bead, process) for bead in beads)
-    sizes = {"step_over": process.step_over, "width": process.width, "inset": process.value("inset")}
-    metal = metal_shares(beads, fill.shapes, copies=fill.copies, **sizes)
-    return replace(fill, beads=beads, metal=metal, notes=(*fill.notes, *_off_balance(metal), *_bare_lobes(fill)))
+    shares = metal_shares(beads, fill.shapes, copies=fill.copies, step_over=process.step_over, width=process.width)
+    metal, beyond = tuple(zip(*shares, strict=True)) or ((), ())
+    notes = [*fill.notes, *_off_balance(metal), *_bare_lobes(fill)]
+    if process.value("inset") >= 0.499 * process.width:
+        said = [(i, share) for i, share in enumerate(beyond) if share > MOST_BEYOND]
+        notes += [_of_piece(NoticeKind.PIECE_METAL, i, BEYOND, share) for i, share in said]
+        notes += _bare_corners(fill)
+    return replace(fill, beads=beads, metal=metal, beyond=beyond, notes=tuple(notes))
 
 
 def _in_short_order(fill: LayerFill, layer: Layer, process: Process) -> tuple[Bead, ...]:
@@ -163,8 +178,23 @@ def _off_balance(metal: Sequence[float]) -> tuple[Notice, ...]:
     for index, share in enumerate(metal):
         if share > 0.0 and abs(share - 1.0) > METAL_WITHIN:
             text = TOO_MUCH if share > 1.0 else TOO_LITTLE
-            out.append(Notice(kind=NoticeKind.PIECE_METAL, text=text, pieces=(index,), figures={"share": (share, share)}))
+            out.append(_of_piece(NoticeKind.PIECE_METAL, index, text, share))
     return tuple(out)
+
+
+def _of_piece(kind: NoticeKind, piece: int, text: str, share: float) -> Notice:
+    return Notice(kind=kind, text=text, pieces=(piece,), figures={"share": (share, share)})
+
+
+def _bare_corners(fill: LayerFill) -> list[Notice]:
+    """Notes on pieces so small that their corners, where round beads do not reach, count."""
+    out = []
+    for index, shape in enumerate(fill.shapes):
+        leader = fill.copies[index] if fill.copies else index
+        share = fill.shapes[leader].corners / shape.piece.area()
+        if share > MOST_IN_CORNERS:
+            out.append(_of_piece(NoticeKind.BARE, index, IN_CORNERS, share))
+    return out
 
 
 def _bare_lobes(fill: LayerFill) -> tuple[Notice, ...]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -19,6 +19,7 @@ from .bead import Bead, BeadKind
 from .distance import Outline, ends_at_inset
 from .full_turn import anchor_of, closing_lines, join_across_seam
 from .inset import Inset, edges_of, inset_piece
+from .meeting import beside, drawn_back, nearest_end, with_room
 from .pattern import Cell, CellFill, Pattern
 from .scanlines import cut_lines, directions
 
@@ -51,16 +52,16 @@ class Hatch(Pattern):
 
     def fill_all(self, cells: Sequence[Cell]) -> list[CellFill]:
         """All pieces of a layer that do not wind are cut by their lines at once."""
-        insets = [inset_piece(cell.piece, cell.inset, chord=cell.chord) for cell in cells]
         out = [CellFill(beads=(), inset=cell.inset, angle=self.angle, step_over=cell.step_over) for cell in cells]
-        flat = [i for i, cell in enumerate(cells) if not cell.piece.winds and not insets[i].is_empty]
+        rooms = [_room(cell) for cell in cells]
+        flat = [i for i, cell in enumerate(cells) if not cell.piece.winds and not rooms[i].ends.is_empty]
         for i, cell in enumerate(cells):
-            if cell.piece.winds and not insets[i].is_empty:
-                out[i] = self._round(cell, insets[i])
+            if cell.piece.winds and not rooms[i].ends.is_empty:
+                out[i] = replace(self._round(rooms[i]), inset=cell.inset)
         if not flat:
             return out
-        edges = [edges_of(insets[i].polygons) for i in flat]
-        extents = [_extent(cells[i], *e, self.angle) for i, e in zip(flat, edges, strict=True)]
+        edges = [edges_of(rooms[i].ends.polygons) for i in flat]
+        extents = [_extent(cells[i], *edges_of(rooms[i].lines.polygons), self.angle) for i in flat]
         spacing = np.array(
             [_stretched(p, self.angle, cells[i].step_over, self.stretch) for i, p in zip(flat, extents, strict=True)]
         )
@@ -69,19 +70,21 @@ class Hatch(Pattern):
         group = np.repeat(np.arange(len(flat)), [len(e[0]) for e in edges])
         found = cut_lines(starts, ends, angle=self.angle, spacing=spacing, phase=phase, group=group)
         cuts = np.searchsorted(found.group, np.arange(len(flat) + 1))
-        points = found.points
-        sharp = _sharp_ends([cells[i] for i in flat], [insets[i] for i in flat], points, found.group, self.angle)
+        sharp = _sharp_ends([rooms[i] for i in flat], found.points, found.group, self.angle)
         for k, i in enumerate(flat):
             ends = sharp[cuts[k] : cuts[k + 1]]
+            if cells[i].meets_contour:
+                ends = ends[with_room(cells[i], ends)]
             beads = self._beads(cells[i], ends, [False] * len(ends), self.angle, float(spacing[k]), float(phase[k]))
-            out[i] = CellFill(beads=beads, inset=cells[i].inset, angle=self.angle, step_over=float(spacing[k]))
+            out[i] = replace(out[i], beads=beads, step_over=float(spacing[k]))
         return out
 
-    def _round(self, cell: Cell, inset: Inset) -> CellFill:
+    def _round(self, room: _Room) -> CellFill:
         """A piece that winds: its lines close on themselves and go on across the seam."""
+        cell, inset = room.cell, room.ends
         angle, spacing, k = closing_lines(inset.closure.length, self.angle, cell.step_over)
         starts, ends = edges_of(inset.polygons)
-        extent = _extent(cell, starts, ends, angle)
+        extent = _extent(cell, *edges_of(room.lines.polygons), angle)
         if k == 0:
             spacing = _stretched(extent, angle, spacing, self.stretch)
         phase = _phase(cell, extent, angle, spacing, k)
@@ -91,7 +94,10 @@ class Hatch(Pattern):
         found = join_across_seam(cut_lines(starts, ends, angle=angle, spacing=spacing, phase=phase), inset, k)
         points, closed = np.array([p for p, _ in found]).reshape(-1, 2, 2), np.array([c for _, c in found], dtype=bool)
         group = np.zeros(int((~closed).sum()), dtype=int)
-        points[~closed] = _sharp_ends([cell], [inset], points[~closed], group, angle)
+        points[~closed] = _sharp_ends([room], points[~closed], group, angle)
+        if cell.meets_contour:
+            kept = closed | with_room(cell, points)
+            points, closed = points[kept], closed[kept]
         beads = self._beads(cell, points, closed.tolist(), angle, spacing, phase)
         return CellFill(beads=beads, inset=cell.inset, angle=angle, step_over=spacing)
 
@@ -105,6 +111,27 @@ class Hatch(Pattern):
         order = np.lexsort((points[:, 0] @ along * np.where(back, -1.0, 1.0), number))
         run = np.where(back[:, None, None], points[:, ::-1], points)
         return tuple(Bead(points=run[i], kind=BeadKind.HATCH, piece=cell.index, closed=closed[i]) for i in order.tolist())
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Room:
+    """A cell whose inset is the one at which its lines are cut (`ends`), and how far they may lie across (`lines`)."""
+
+    cell: Cell
+    ends: Inset
+    lines: Inset
+
+
+def _room(cell: Cell) -> _Room:
+    """Where a cell's lines lie and end: at its inset; beside a contour nearer, by the rules of `meeting`."""
+    if not cell.meets_contour:
+        inset = inset_piece(cell.piece, cell.inset, chord=cell.chord)
+        return _Room(cell=cell, ends=inset, lines=inset)
+    contour, sizes = cell.inset - cell.step_over, (cell.step_over, cell.width)
+    cell = replace(cell, inset=contour + nearest_end(*sizes))
+    ends = inset_piece(cell.piece, cell.inset, chord=cell.chord)
+    lines = inset_piece(cell.piece, contour + beside(*sizes), chord=cell.chord)
+    return _Room(cell=cell, ends=ends, lines=ends if lines.is_empty else lines)
 
 
 def _met_halfway(before: Array, after: Array, along: Array, closure: Closure) -> Array:
@@ -209,14 +236,25 @@ def _centred(points: Array, angle: float, spacing: float) -> float:
     return low + 0.5 * (high - low - count * spacing)
 
 
-def _sharp_ends(cells: Sequence[Cell], insets: Sequence[Inset], points: Array, group: Array, angle: float) -> Array:
-    """Both ends of beads (n, 2, 2) of the cells `group` (n,) of one layer, slid outwards to exactly the inset."""
-    cell = cells[0]
-    # on or outside of the outline, the polygon's own ends are near enough: inside of it by its slack at most
-    if not len(points) or cell.inset <= 0.0:
-        return points
+def _sharp_ends(rooms: Sequence[_Room], points: Array, group: Array, angle: float) -> Array:
+    """Both ends of beads (n, 2, 2) of the cells `group` (n,) of one layer, at exactly the inset, or as their contours ask."""
+    cells = [room.cell for room in rooms]
     along, _ = directions(angle)
-    slack = np.array([inset.slack for inset in insets])
+    if len(points) and cells[0].inset > 0.0:
+        # on or outside of the outline, the polygon's own ends are near enough: inside of it by its slack at most
+        points = _slid_outwards(rooms, points, group, angle)
+    meets = np.array([cell.meets_contour for cell in cells])[group]
+    if meets.any():
+        points = points.copy()
+        points[meets] = drawn_back(cells, points[meets], along)
+    return points
+
+
+def _slid_outwards(rooms: Sequence[_Room], points: Array, group: Array, angle: float) -> Array:
+    cells = [room.cell for room in rooms]
+    cell = cells[0]
+    along, _ = directions(angle)
+    slack = np.array([room.ends.slack for room in rooms])
     # its distances have to hold for an end that is not yet at the inset
     outline = Outline([c.piece for c in cells], max(cell.inset, cell.chord) + 2.0 * float(slack.max()))
     flat = np.concatenate([points[:, 0], points[:, 1]])

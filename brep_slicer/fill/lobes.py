@@ -56,18 +56,34 @@ class Shape:
     def lobes(self) -> tuple[Polygon, ...]:
         """What sticks out of the opening by the bead's width; of a full turn, each once and whole, across the seam too."""
         radius = 0.5 * self.width * (1.0 - HAIR)
-        room = self.whole.buffer(-radius, quad_segs=QUARTER_SEGMENTS)
-        if room.is_empty:
+        if self._room.is_empty:
             return ()
-        reached = room.buffer(radius * (1.0 + HAIR), quad_segs=QUARTER_SEGMENTS)
-        left = self.whole.difference(reached)
-        near = room.buffer(radius + STICKS_OUT * self.width, quad_segs=QUARTER_SEGMENTS)
-        found = [part for part in parts_of(left, "Polygon") if not near.covers(part)]
+        near = self._room.buffer(radius + STICKS_OUT * self.width, quad_segs=QUARTER_SEGMENTS)
+        found = [part for part in parts_of(self._left, "Polygon") if not near.covers(part)]
         if not self.piece.winds:
             return tuple(found)
         # a lobe on the seam is drawn on either side of it: its copies differ by rounding only
         closure, first = self.piece.closure, self.piece.cut - SAME_PLACE
         return tuple(p for p in found if not closure.copies_of(np.array([p.centroid.x, p.centroid.y]), first))
+
+    @cached_property
+    def corners(self) -> float:
+        """The area (mm**2) that no bead half its width inside of the outline reaches, lobes apart; of one turn."""
+        if self._room.is_empty:
+            return 0.0
+        turns = 3.0 if self.piece.winds else 1.0
+        return max(0.0, self._left.area / turns - sum(lobe.area for lobe in self.lobes))
+
+    @cached_property
+    def _room(self) -> Geometry:
+        """Where the centres of discs as wide as a bead, but for a hair, may lie."""
+        return self.whole.buffer(-0.5 * self.width * (1.0 - HAIR), quad_segs=QUARTER_SEGMENTS)
+
+    @cached_property
+    def _left(self) -> Geometry:
+        """What those discs do not reach."""
+        radius = 0.5 * self.width * (1.0 - HAIR)
+        return self.whole.difference(self._room.buffer(radius * (1.0 + HAIR), quad_segs=QUARTER_SEGMENTS))
 
     def bare_lobes(self, lines: Sequence[Array]) -> tuple[Polygon, ...]:
         """The lobes most of which beads along `lines` leave bare."""

@@ -13,8 +13,9 @@ import numpy as np
 from brep_slicer.layers import NO_CLOSURE, Closure
 from brep_slicer.maps import Array, lengths_along
 
-from .bead import Bead
+from .bead import Bead, BeadKind
 from .metal import ROUND_END
+from .within import LEAST_WITHIN, Within
 
 # Stretches of a bead and cells of the piece's grid, in step-overs: some fifteen cells a stretch.
 STRETCH, GRID = 0.5, 0.18
@@ -27,10 +28,14 @@ REACH = 0.75
 
 
 def amounts_by_nearest(
-    ground, beads: Sequence[Bead], *, step_over: float, width: float, closure: Closure = NO_CLOSURE
+    ground, beads: Sequence[Bead], *, step_over: float, width: float, within: Within, closure: Closure = NO_CLOSURE
 ) -> tuple[list[Array], list[Array], float]:
     """(points, amounts) of each bead, and the share of the polygon that they reach; with a `closure` across the seam, too."""
-    places, lengths, owner = _stretches(beads, STRETCH * step_over, width)
+    places, ways, lengths, owner = _stretches(beads, STRETCH * step_over, width)
+    # only where the piece is narrower than a bead; near the outline a bead lays as much beyond it as the fit asks for
+    narrow = np.array([bead.kind is BeadKind.SKELETON for bead in beads])[owner]
+    if narrow.any():
+        lengths[narrow] *= np.maximum(within.shares(places[narrow], ways[narrow]), LEAST_WITHIN)
     cell = max(GRID * step_over, (ground.area / MOST_CELLS) ** 0.5)
     inside, corner = _grid(ground, cell)
     copies = np.concatenate([closure.moved(places, turns) for turns in closure.beside])
@@ -80,21 +85,25 @@ def _nearest(places: Array, inside: Array, reach: float) -> Array:
     return np.where(inside, out.reshape(inside.shape), -1)
 
 
-def _stretches(beads: Sequence[Bead], longest: float, width: float) -> tuple[Array, Array, Array]:
-    """Middles (n, 2) of equal stretches of all beads, what lengths they hold, round ends included, and whose they are."""
-    places, lengths, owner = [], [], []
+def _stretches(beads: Sequence[Bead], longest: float, width: float) -> tuple[Array, Array, Array, Array]:
+    """Middles (n, 2) of equal stretches of all beads, unit vectors along them, what lengths they hold, round ends included, and
+    whose they are."""
+    places, ways, lengths, owner = [], [], [], []
     for i, bead in enumerate(beads):
         along = lengths_along(bead.points)
         n = max(1, int(np.ceil(along[-1] / longest)))
         at = (np.arange(n) + 0.5) * along[-1] / n
         places.append(np.stack([np.interp(at, along, bead.points[:, k]) for k in (0, 1)], axis=1))
+        k = np.clip(np.searchsorted(along, at), 1, len(along) - 1)
+        way = bead.points[k] - bead.points[k - 1]
+        ways.append(way / np.maximum(np.hypot(*way.T), 1e-300)[:, None])
         held = np.full(n, along[-1] / n)
         if not bead.closed:
             held[0] += ROUND_END * width
             held[-1] += ROUND_END * width
         lengths.append(held)
         owner.append(np.full(n, i))
-    return np.concatenate(places), np.concatenate(lengths), np.concatenate(owner)
+    return np.concatenate(places), np.concatenate(ways), np.concatenate(lengths), np.concatenate(owner)
 
 
 def _smooth(values: Array, closed: bool) -> Array:

@@ -24,8 +24,9 @@ from .lobes import Shape
 class Cell:
     """What a pattern fills: `piece` number `index`; `inset`, `step_over`, `width`, `chord` in mm; the beads `laid` before.
 
-    What those have to fill ends `border` mm inside of the outline. A piece is `lobed` if lobes too narrow for a bead stick out
-    of it, which are not for its lines to fill.
+    What those have to fill ends `border` mm inside of the outline; where the pattern `meets_contour`, one lies a step-over
+    outside of its inset, and lines end beside it by the rules of `meeting`. A piece is `lobed` if lobes too narrow for a bead
+    stick out of it, which are not for its lines to fill.
     """
 
     piece: Piece
@@ -37,6 +38,7 @@ class Cell:
     laid: tuple[Bead, ...] = ()
     border: float = 0.0
     lobed: bool = False
+    meets_contour: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -78,12 +80,12 @@ class Pattern(abc.ABC):
 class PatternSequence(Pattern):
     """Patterns one after the other in the same piece, each inside of what the one before left.
 
-    With an `overlap` (mm), each reaches that much farther out. Lines that meet a contour at a small angle leave no wedge bare
-    between them if the overlap is 2 d - w at least: their ends are then no farther than w - d from the contour's centre line.
+    With an `overlap` (mm), each reaches that much farther out than a step-over from what is there already. Without (None),
+    lines end beside a contour each by its slant, so that the two do not pile up (`meeting`).
     """
 
     patterns: tuple[Pattern, ...]
-    overlap: float = 0.0
+    overlap: float | None = 0.0
 
     @property
     def turns_along(self) -> bool:  # type: ignore[override]
@@ -92,7 +94,8 @@ class PatternSequence(Pattern):
 
     def __repr__(self) -> str:
         names = ", ".join(type(pattern).__name__ for pattern in self.patterns)
-        return f"PatternSequence({shortened(names, 120)}, overlap {self.overlap:.4g} mm)"
+        overlap = "" if self.overlap is None else f", overlap {self.overlap:.4g} mm"
+        return f"PatternSequence({shortened(names, 120)}{overlap})"
 
     def fill(self, cell: Cell) -> CellFill:
         return self.fill_all([cell])[0]
@@ -116,7 +119,8 @@ class PatternSequence(Pattern):
                 filled = made.inset > cell.inset
                 cells[i] = replace(
                     cell,
-                    inset=made.inset - (self.overlap if filled else 0.0),
+                    inset=made.inset - ((self.overlap or 0.0) if filled else 0.0),
+                    meets_contour=filled and self.overlap is None,
                     laid=out[i].beads,
                     border=max(0.0, made.inset - 0.5 * cell.step_over) if filled else cell.border,
                 )

@@ -79,7 +79,22 @@ class Plan(PlanSections):
 
     def report(self) -> dict[str, Any]:
         """Everything that report.json says, as plain values."""
-        return report_of_plan(self, self.fills, self.toolpath)
+        report = report_of_plan(self, self.fills, self.toolpath)
+        return {**report, "notices": [*report["notices"], *(notice.as_dict() for notice in self.proof_notices)]}
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """The notices in words, a sentence each, and those of the proof once it was asked for."""
+        return tuple(str(notice) for notice in (*self.notices, *self.proof_notices))
+
+    @property
+    def proof_notices(self) -> tuple[Notice, ...]:
+        """What the proof warns of; nothing as long as `proof` was not called."""
+        if not self._proven:
+            return ()
+        from brep_slicer.proof import notices_of_proof
+
+        return notices_of_proof(self._proven)
 
     def proof(self, progress: Progress | None = None) -> list[dict[str, Any]]:
         """How even the metal is, a row a layer: coverage, simulated deposit, step-over on the emitted points, duty.

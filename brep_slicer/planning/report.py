@@ -130,6 +130,7 @@ def _fill_row(fill: LayerFill, path: dict[str, Any]) -> dict[str, Any]:
         "step_over_mm": list(fill.step_over),
         "patterns": list(fill.patterns),
         "metal_share": list(fill.metal),
+        "metal_beyond_outline_share": list(fill.beyond),
         "notes": [str(note) for note in fill.notes],
         **{
             key: path.get(key, 0)

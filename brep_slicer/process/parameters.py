@@ -93,7 +93,8 @@ class Process:
         Machining allowance a, mm: the part is grown by a along its normals, a / sqrt(1 - (n . e_rho)**2) sideways in a layer
         and by layers on top.
     overlap : float, optional
-        How much farther than a step-over from the last contour's centre hatch lines reach; 2 d - w (0 at least) if not given.
+        How much farther than a step-over from the last contour's centre hatch lines reach; if not given, each line ends where
+        it neither piles up on the contour nor leaves anything bare, by the angle at which it meets it.
     balance : bool
         The beads of each piece are laid slower or faster, between `slowest` and `fastest` times the deposition speed, so that
         they hold the metal that the piece has; else all at the deposition speed.
@@ -313,7 +314,6 @@ class Process:
         return {
             "bead_width": WIDTH_PER_STEP_OVER * self.step_over,
             "inset": {Fit.IN: 0.5, Fit.ON: 0.0, Fit.OUT: -0.5}[self.fit] * self.width,
-            "overlap": max(0.0, 2.0 * self.step_over - self.width),
             "shortest_bead": 0.0,
             "deposition_speed_mm_s": DEPOSITION_SPEED_MM_S,
             "travel_speed_mm_s": 50.0,

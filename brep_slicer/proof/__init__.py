@@ -5,7 +5,7 @@ In: a region, beads or a toolpath. Out: figures, and a height map on an unrolled
 
 from .coverage import Coverage, coverage_of
 from .deposit import Deposit, Evenness, deposit_of, evenness_of
-from .layers import proof_of_layers, spacings_in_words, summary_of_proof
+from .layers import notices_of_proof, proof_of_layers, spacings_in_words, summary_of_proof
 from .step_over import StepOver, step_over_of
 
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "coverage_of",
     "deposit_of",
     "evenness_of",
+    "notices_of_proof",
     "proof_of_layers",
     "spacings_in_words",
     "step_over_of",

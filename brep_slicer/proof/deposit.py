@@ -28,6 +28,9 @@ from .grid import Tile, cells_inside, cells_of_boxes, edges_of_polygons, tiles_o
 CELLS_PER_WIDTH = 24
 # Heights are averaged over a square of this many step-overs: the ripple from bead to bead is no unevenness of the layer.
 WINDOW = 2.0
+# A peak is the highest mean over a square of this many bead widths: about what is molten at once, and levels out. The highest
+# single cell would be that of one bead's ridge, whatever lies beside it.
+PEAK_WINDOW = 0.5
 # Cells a side of what is worked out at once, and cells of beads: what bounds the memory, not what comes out.
 TILE, AT_ONCE = 768, 1_000_000
 # A piece that stands for others is looked at on so many grids, each a part of a cell beside the one before.
@@ -58,11 +61,16 @@ class Deposit:
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Evenness:
     """`mean` (mm) of a layer's heights, their `variation` (standard deviation over mean), and the share of the region whose
-    averaged height is `within` a tolerance of the layer's thickness."""
+    averaged height is `within` a tolerance of the layer's thickness.
+
+    `peak` (mm) is the highest mean over a square of half a bead's width, and `peak_at` its middle, (kappa, v) in mm.
+    """
 
     mean: float
     variation: float
     within: float
+    peak: float = 0.0
+    peak_at: tuple[float, float] | None = None
 
 
 def deposit_of(
@@ -122,7 +130,8 @@ def evenness_of(
     """
     parts = [Share(region=region, beads=tuple(beads), times=1)] if shares is None else shares
     sizes = {"width": width, "thickness": thickness, "step_over": step_over, "tolerance": tolerance}
-    sums = []
+    sums: list[Array] = []
+    peaks: list[tuple[float, tuple[float, float]]] = []
     for part in parts:
         # pieces of a whole layer lie on the grid in as many ways as there are pieces
         phases = min(part.times, PHASES)
@@ -133,13 +142,18 @@ def evenness_of(
             else [(0.0, 0.0)]
         )
         cell = _fitting_cell(part.region, width / CELLS_PER_WIDTH, phases)
-        sums += [np.multiply(part.times / phases, _sums(part.region, part.beads, cell, shift, **sizes)) for shift in shifts]
+        for shift in shifts:
+            made, highest = _sums(part.region, part.beads, cell, shift, **sizes)
+            sums.append(np.multiply(part.times / phases, made))
+            peaks += highest
     count, total, square, good = np.sum(sums, axis=0).tolist()
     if not count:
         return Evenness(mean=0.0, variation=0.0, within=0.0)
     mean = thickness + total / count
     deviation = np.sqrt(max(square / count - (total / count) ** 2, 0.0))
-    return Evenness(mean=mean, variation=float(deviation) / mean if mean else 0.0, within=good / count)
+    peak, peak_at = max(peaks)
+    variation = float(deviation) / mean if mean else 0.0
+    return Evenness(mean=mean, variation=variation, within=good / count, peak=peak, peak_at=peak_at)
 
 
 def _fitting_cell(region: Region, cell: float, phases: int) -> float:
@@ -160,15 +174,18 @@ def _sums(
     thickness: float,
     step_over: float,
     tolerance: float,
-) -> tuple[float, float, float, float]:
+) -> tuple[tuple[float, float, float, float], list[tuple[float, tuple[float, float]]]]:
     """Over a region's cells: how many, their heights over the thickness added up (mm), squared, and how many are even.
+
+    And the peak of each tile (mm) with its place, if it holds any of the region.
 
     The grid begins so many cells to the left of the region and below it as `shift` says.
     """
     shape, tracks = drawn(region, beads, reach=width)
     laid, edges = _Laid(tracks, width, 1.5 * thickness * step_over / width), edges_of_polygons(shape)
-    size = _window(step_over, cell)
+    size, small = _window(step_over, cell), max(1, round(PEAK_WINDOW * width / cell))
     count, total, square, good = 0, 0.0, 0.0, 0
+    peaks = []
     for tile in tiles_of(shape, cell, TILE, shift):
         wide = tile.with_halo(size)
         inside = cells_inside(edges, wide)
@@ -183,7 +200,11 @@ def _sums(
         square += float(off @ off)
         even = _averaged(heights, inside, size, chosen)
         good += int((np.abs(even / thickness - 1.0) <= tolerance).sum())
-    return count, total, square, good
+        if len(chosen):
+            ridges = _box_sums(heights, small).ravel()[chosen]
+            row, column = divmod(int(chosen[ridges.argmax()]), wide.shape[1])
+            peaks.append((float(ridges.max()) / small**2, (float(wide.kappa[column]), float(wide.v[row]))))
+    return (count, total, square, good), peaks
 
 
 def _window(step_over: float, cell: float) -> int:
@@ -194,30 +215,32 @@ def _window(step_over: float, cell: float) -> int:
 class _Laid:
     """The metal of all tracks, segment by segment: the drop's heights integrated along each, and the beads' own ends round.
 
-    Segments run from `a` along the unit vector `way` for `length`; `amount` (n, 2) is the metal per length at their start, and
-    how it changes along them. Ends lie at `tip`, and `out` is where the bead would go on.
+    Segments run from `a` along the unit vector `way` for `length`; `amount` (n,) is their metal per length over t d. Ends lie
+    at `tip`, and `out` is where the bead would go on; their metal is that of the segment that they end.
     """
 
     def __init__(self, tracks: Sequence[Track], width: float, top: float) -> None:
         self.half, self.top = 0.5 * width, top
-        a, b, start, end = [np.zeros((0, 2))], [np.zeros((0, 2))], [np.zeros(0)], [np.zeros(0)]
+        a, along, amounts = [np.zeros((0, 2))], [np.zeros((0, 2))], [np.zeros(0)]
         tips: list[tuple[Array, Array, float]] = []
         for track in tracks:
-            new = np.append(True, np.hypot(*np.diff(track.points, axis=0).T) > 0.0)
-            points, amount = track.points[new], 1.0 / track.speed[new]
-            if len(points) < 2:
+            steps = np.diff(track.points, axis=0)
+            new = np.hypot(*steps.T) > 0.0
+            # as in the toolpath: a segment is laid at the mean of the speeds at its ends
+            amount = (2.0 / (track.speed[1:] + track.speed[:-1]))[new]
+            if not new.any():
                 continue
-            a.append(points[:-1])
-            b.append(points[1:])
-            start.append(amount[:-1])
-            end.append(amount[1:])
-            ends = zip(track.ends, points[[0, -1]], points[[1, -2]], amount[[0, -1]].tolist(), strict=True)
-            tips += [(tip, tip - before, metal) for mine, tip, before, metal in ends if mine]
-        self.a, along = np.concatenate(a), np.concatenate(b) - np.concatenate(a)
-        self.length = np.hypot(*along.T)
-        self.way = along / self.length[:, None]
-        first = np.concatenate(start)
-        self.amount = np.stack([first, (np.concatenate(end) - first) / self.length], axis=1)
+            a.append(track.points[:-1][new])
+            along.append(steps[new])
+            amounts.append(amount)
+            ends = zip(
+                track.ends, track.points[[0, -1]], (-steps[new][0], steps[new][-1]), amount[[0, -1]].tolist(), strict=True
+            )
+            tips += [(tip, out, metal) for mine, tip, out, metal in ends if mine]
+        self.a, way = np.concatenate(a), np.concatenate(along)
+        self.length = np.hypot(*way.T)
+        self.way = way / self.length[:, None]
+        self.amount = np.concatenate(amounts)
         self.tip = np.array([tip for tip, _, _ in tips]).reshape(-1, 2)
         out = np.array([out for _, out, _ in tips]).reshape(-1, 2)
         self.out = out / np.hypot(*out.T)[:, None]
@@ -253,20 +276,15 @@ class _Laid:
             yield of, cell, x * ahead_x + y * ahead_y, y * ahead_x - x * ahead_y
 
     def _of_segments(self, of: Array, along: Array, across: Array) -> Array:
-        amount, slope = self.amount[of].T
         square = np.maximum(self.half**2 - across**2, 1e-300)
         # the drop passes over the whole cell, but for the ends of its way
-        out = (amount + slope * along) * (0.5 * np.pi) * square
+        out = (0.5 * np.pi) * square
         length = self.length[of]
         some = np.flatnonzero((along < self.half) | (along > length - self.half))
         reach = np.sqrt(square[some])
         begin, end = np.clip(-along[some], -reach, reach), np.clip(length[some] - along[some], -reach, reach)
-        out[some] = (amount + slope * along)[some] * (_area(end, reach) - _area(begin, reach))
-        changing = some[slope[some] != 0.0]
-        if len(changing):
-            pick = slope[some] != 0.0
-            out[changing] += slope[changing] * (_moment(end[pick], reach[pick]) - _moment(begin[pick], reach[pick]))
-        return 2.0 / (np.pi * self.half**2) * out
+        out[some] = _area(end, reach) - _area(begin, reach)
+        return 2.0 / (np.pi * self.half**2) * self.amount[of] * out
 
     def _of_ends(self, of: Array, along: Array, across: Array) -> Array:
         """What makes an end round and as high as elsewhere, less what the drop has laid there when it stops."""
@@ -281,11 +299,6 @@ class _Laid:
 def _area(u: Array, reach: Array) -> Array:
     """Integral of sqrt(reach**2 - u**2)."""
     return 0.5 * (u * np.sqrt(np.maximum(reach**2 - u**2, 0.0)) + reach**2 * np.arcsin(u / reach))
-
-
-def _moment(u: Array, reach: Array) -> Array:
-    """Integral of u sqrt(reach**2 - u**2)."""
-    return -(np.maximum(reach**2 - u**2, 0.0) ** 1.5) / 3.0
 
 
 def _averaged(heights: Array, inside: Array, size: int, chosen: Array) -> Array:

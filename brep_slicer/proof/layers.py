@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from brep_slicer.fill import LayerFill
 from brep_slicer.maps import Array
-from brep_slicer.region import Layer
+from brep_slicer.notices import Notice, NoticeKind
+from brep_slicer.region import Layer, polygon_from_piece
 from brep_slicer.substrate.axis import Axis
 from brep_slicer.toolpath import Toolpath
 from brep_slicer.wording import counted
@@ -31,8 +32,13 @@ AS_PLANNED = 1e-3
 # Metal is even when no layer leaves more than this share bare, its mean height is t to this share, and beads of one kind are as
 # far apart as planned at this share of places: what a deposition process varies by itself anyway.
 EVEN_BARE, EVEN_HEIGHT, EVEN_SPACED = 0.02, 0.02, 0.99
+# A peak, averaged over half a bead's width, that is higher than so many t is warned of: it stands where the next layer's top is
+# to be.
+HIGHEST_PEAK = 2.0
 # Beads of a fill and of the toolpath made of it are equally long to this share, whatever was rounded on the way.
 SAME_LENGTH = 1e-6
+# Pieces are drawn to this for asking in which of them a peak lies, mm.
+CHORD = 0.05
 # Averaged heights within this share of t are even.
 EVEN = 0.02
 
@@ -46,7 +52,7 @@ def proof_of_layers(
     step_over: float,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[dict[str, Any]]:
-    """A row a layer: shares of area, mean height over t, variation, spacings in mm with their histogram, duty, starts."""
+    """A row a layer: shares of area, mean and peak height over t, variation, spacings in mm, their histogram, duty, starts."""
     summaries = {row["layer"]: row for row in toolpath.summary_by_layer()}
     whole = [(layer, fill) for layer, fill in layers if not layer.region.is_empty]
     rows = []
@@ -66,8 +72,34 @@ def summary_of_proof(rows: Sequence[dict[str, Any]]) -> str:
     heights = [row["mean_height_over_t"] for row in rows]
     return (
         f"{verdict_of_proof(rows)}; {spacings_in_words(rows)}; at most {100.0 * bare['bare_share']:.3g} % left bare (layer"
-        f" {bare['layer']}); mean height {min(heights):.3f} to {max(heights):.3f} t"
+        f" {bare['layer']}); mean height {min(heights):.3f} to {max(heights):.3f} t, {_peak_in_words(_highest(rows))}"
     )
+
+
+def notices_of_proof(rows: Sequence[dict[str, Any]]) -> tuple[Notice, ...]:
+    """What the proof warns of: peaks of more than twice t, with their height, and where the highest is."""
+    high = [row for row in rows if row["peak_height_over_t"] > HIGHEST_PEAK]
+    if not high:
+        return ()
+    heights = [row["peak_height_over_t"] for row in high]
+    return (
+        Notice(
+            kind=NoticeKind.PEAK,
+            text=f"the deposit stands higher than {HIGHEST_PEAK:g} t at places: {_peak_in_words(_highest(high))}",
+            layers=tuple(row["layer"] for row in high),
+            figures={"peak_over_t": (min(heights), max(heights))},
+        ),
+    )
+
+
+def _highest(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    return max(rows, key=lambda row: row["peak_height_over_t"])
+
+
+def _peak_in_words(row: dict[str, Any]) -> str:
+    place = row["peak_at"]
+    where = "" if place is None else f", piece {place['piece']}, at kappa {place['kappa_mm']:.4g}, v {place['v_mm']:.4g} mm"
+    return f"highest {row['peak_height_over_t']:.3g} t (layer {row['layer']}{where})"
 
 
 def verdict_of_proof(rows: Sequence[dict[str, Any]]) -> str:
@@ -84,6 +116,8 @@ def verdict_of_proof(rows: Sequence[dict[str, Any]]) -> str:
             f"{counted(len(heights), 'layer')} whose mean height is off t by more than {EVEN_HEIGHT:.0%}, most layer"
             f" {worst['layer']} ({worst['mean_height_over_t']:.3f} t)"
         )
+    if notices_of_proof(rows):
+        doubts.append(_peak_in_words(_highest(rows)))
     for pair, known in _by_neighbours(rows).items():
         if _alike(pair) and known["as_planned"] < EVEN_SPACED * known["spacings"]:
             doubts.append(f"{pair} not spaced as planned")
@@ -187,6 +221,8 @@ def _row(layer: Layer, fill: LayerFill, toolpath: Toolpath, axis: Axis, width: f
         "mean_height_over_t": deposit.mean / thickness,
         "height_variation": deposit.variation,
         "height_within_2_percent": deposit.within,
+        "peak_height_over_t": deposit.peak / thickness,
+        "peak_at": _place(layer, deposit.peak_at),
         "step_over_measured_mm": {
             "spacings": len(near),
             "lowest": float(near.min()) if len(near) else None,
@@ -199,6 +235,19 @@ def _row(layer: Layer, fill: LayerFill, toolpath: Toolpath, axis: Axis, width: f
             "histogram": {"edges_mm": edges.tolist(), "counts": counts.tolist()},
         },
     }
+
+
+def _place(layer: Layer, at: tuple[float, float] | None) -> dict[str, Any] | None:
+    """A place in the plane and the piece that it lies in, or next to."""
+    if at is None:
+        return None
+    import shapely
+
+    polygons = [polygon_from_piece(piece, chord=CHORD) for piece in layer.region.pieces]
+    closure = layer.region.pieces[0].closure
+    points = [shapely.Point(closure.moved(np.array(at), k)) for k in closure.beside]
+    distances = [min(polygon.distance(point) for point in points) for polygon in polygons]
+    return {"piece": int(np.argmin(distances)), "kappa_mm": at[0], "v_mm": at[1]}
 
 
 def _duty(summary: dict[str, Any] | None) -> dict[str, Any]:

@@ -67,7 +67,7 @@ def draw_proof(plan: Plan, proof: list[dict[str, Any]], path: str | Path) -> Pat
         one_of = f" (1 of {count} pieces shown)" if count > 1 else ""
         row = next(r for r in proof if r["layer"] == layer.index)
         mean, bare, duty = row["mean_height_over_t"], 100.0 * row["bare_share"], 100.0 * (row["duty"] or 0.0)
-        title = f"layer {layer.index}: height / t, mean {mean:.3f}{one_of}"
+        title = f"layer {layer.index}: height / t, mean {mean:.3f}, peak {row['peak_height_over_t']:.2f}{one_of}"
         ax.set_title(f"{title}\nbare {bare:.2f} %, duty {duty:.0f} %, {row['starts']} starts", fontsize=9)
         ax.set_xlabel("κ, mm")
         ax.set_ylabel("v, mm")

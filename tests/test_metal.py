@@ -118,8 +118,6 @@ def test_the_bookkeeping_is_that_of_the_simulation(shape, pattern, fit):
         "holed": lambda: region_from_loops(
             cylinder(R), [rectangle(-20.0, 0.0, 20.0, 40.0), rectangle(-5.0, 12.0, 6.0, 25.0, hole=True)]
         ),
-            cylinder(R), [rectangle(-20.0, 0.0, 20.0, 40.0), rectangle(-5.0, 12.0, 6.0, 25.0, hole=True)]
-        ),
     }
     region = regions[shape]()
     fill = fill_layer(layer_of(region), PROCESS.updated(pattern=pattern, fit=fit, hatch_angles_deg=20.0, balance=False))

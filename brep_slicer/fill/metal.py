@@ -64,7 +64,11 @@ class Courses:
 
     def within(self, piece: Within) -> Courses:
         """The same with what of steps and ends lies within a piece's outline."""
-        some = np.flatnonzero(self.steps > 0.0)
+        own = np.repeat(np.arange(len(self.first)), self.last - self.first + 1)
+        near = ~piece.clears(np.split(self.points, self.first[1:]))
+        if not near.any():
+            return self
+        some = np.flatnonzero((self.steps > 0.0) & near[own])
         cuts = np.ceil(self.steps[some] / (SAMPLE * piece.half)).astype(int)
         of = np.repeat(np.arange(len(some)), cuts)
         share = (np.arange(len(of)) - np.repeat(np.cumsum(cuts) - cuts, cuts) + 0.5) / cuts[of]
@@ -81,7 +85,7 @@ class Courses:
         steps[some] *= np.bincount(of, weights=inside, minlength=len(some)) / cuts
         ends = self.ends.copy()
         for side, (tip, before) in enumerate(((self.first, self.first + 1), (self.last, self.last - 1))):
-            open_ends = np.flatnonzero(ends[:, side] > 0.0)
+            open_ends = np.flatnonzero((ends[:, side] > 0.0) & near)
             out = self.points[tip[open_ends]] - self.points[before[open_ends]]
             length = np.hypot(*out.T)[:, None]
             ends[open_ends, side] *= piece.ends(self.points[tip[open_ends]], out / np.where(length > 0.0, length, 1.0))

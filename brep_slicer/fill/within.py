@@ -12,6 +12,7 @@ lies beyond a bead's end.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -62,6 +63,19 @@ class Within:
         outline = self.shape.whole.boundary
         shapely.prepare(outline)
         return outline
+
+    def clears(self, lines: Sequence[Array]) -> NDArray[np.bool_]:
+        """Which of some lines, (n, 2) each, lie so far within the outline that no bead along them reaches beyond it.
+
+        Those of a full turn that go on beyond what is drawn of it are said not to.
+        """
+        import shapely
+
+        drawn = shapely.linestrings(np.concatenate(lines), indices=np.repeat(np.arange(len(lines)), [len(p) for p in lines]))
+        far = ~shapely.dwithin(self._outline, drawn, self.half * (1.0 - HAIR))
+        starts = np.array([line[0] for line in lines])
+        far[far] = shapely.contains_xy(self._polygon, starts[far])
+        return far
 
     def shares(self, places: Array, ways: Array, turns: NDArray[np.bool_] | None = None) -> Array:
         """Shares (n,) of the metal at `places` (n, 2) of beads that run along the unit vectors `ways` (n, 2).

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from brep_slicer.geometry import Brep, Edge, ElementarySurface, SurfaceKind
 from brep_slicer.maps import Array
 
+from .flatness import radii_on_flatter_face, uses_of_edges
 from .radial import COINCIDENCE_BAND, SNAP, radii_of
 from .turning_points import turning_points
 
@@ -45,12 +46,16 @@ def edge_stretches(brep: Brep) -> EdgeStretches:
     level_faces, exact = _level_faces(brep, level_edges)
     level_edges, level_faces = _without_chains(brep, ranges, level_edges, level_faces, exact)
     vertex_rho, edge_level, face_level = _effective(brep, ranges, level_edges, level_faces, exact)
+    uses = uses_of_edges(brep, np.flatnonzero([len(cut) > 0 for cut in cuts]))
     edges, params, radii, extremes = [], [], [], []
     for number, (edge, cut) in enumerate(zip(brep.edges, cuts, strict=True)):
         if edge.curve is None or level_edges[number]:
             continue
         t = np.concatenate([[edge.first], cut, [edge.last]])
-        rho = radii_of(edge.curve.points(t))
+        points = edge.curve.points(t)
+        rho = radii_of(points)
+        if len(cut):
+            rho[1:-1] = radii_on_flatter_face(uses[number], cut, points[1:-1])
         extremes.append(rho[1:-1].copy())
         # a layer that just touches the lowest point of an edge does not cross it: nothing is cut off, and no two nodes coincide
         turns_up = (rho[1:-1] < rho[:-2]) & (rho[1:-1] < rho[2:])

@@ -19,6 +19,7 @@ from brep_slicer.section.cut_solid import CutSolid
 
 from .closed_forms import FaceArcs, closed_form_of, loops_on_planes
 from .face_nodes import FaceNodes, nodes_on_face
+from .flatter import nodes_on_flatter_faces
 from .hot_edges import VERTEX_NODES, arcs_on_hot_edges, hot_layers
 from .nodes import Nodes, find_nodes
 from .traced_faces import TracedFace, arcs_on_traced_faces
@@ -36,7 +37,7 @@ def sections_by_analysis(solid: CutSolid, radii: Array) -> list[tuple[list[Loop]
     brep, stretches = solid.brep, solid.stretches
     asked = np.asarray(radii, dtype=np.float64)
     radii = _off_the_edge(asked, stretches)
-    nodes = find_nodes(brep, stretches, radii)
+    nodes = nodes_on_flatter_faces(brep, find_nodes(brep, stretches, radii), solid.gaps, radii)
     hot = hot_layers(stretches.edge_level, radii)
     made: list[FaceArcs] = []
     traced: list[TracedFace] = []

@@ -11,10 +11,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from brep_slicer.geometry import Face
+from brep_slicer.field import FAINT
+from brep_slicer.geometry import Face, Surface
 from brep_slicer.maps import Array
 
 from .nodes import Nodes
+
+# Steps to the nearest place of a face, and what each must gain at least; where S_u and S_v are parallel to this share of their
+# lengths' product squared (a pole), none is made.
+FOOT_STEPS, FEW, FLAT = 6, 1e-3, 1e-12
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -56,7 +61,10 @@ def nodes_on_face(face: Face, nodes: Nodes) -> FaceNodes:
             continue
         index.append(np.arange(mine.start, mine.stop))
         begins.append(nodes.rising[mine] != use.forward)
-        uv.append(np.full((mine.stop - mine.start, 2), np.nan) if use.pcurve is None else use.pcurve.points(nodes.t[mine]))
+        if use.pcurve is None:
+            uv.append(np.full((mine.stop - mine.start, 2), np.nan))
+        else:
+            uv.append(_nearest(face.surface, use.pcurve.points(nodes.t[mine]), nodes.points[mine]))
         uses.append(np.full(mine.stop - mine.start, number))
     node = np.concatenate(index)
     points = nodes.points[node]
@@ -69,6 +77,33 @@ def nodes_on_face(face: Face, nodes: Nodes) -> FaceNodes:
         uv=np.concatenate(uv),
         use=np.concatenate(uses),
     )
+
+
+def _nearest(surface: Surface, uv: Array, points: Array) -> Array:
+    """The parameters (n, 2) of the surface's places nearest to the points (n, 3), sought from `uv`.
+
+    A file's pcurves run along their edges at another pace: at one parameter they may lie a tenth of a mm apart that are a
+    thousandth apart as curves.
+    """
+    found = uv.copy()
+    rows, off = np.arange(len(uv)), np.linalg.norm(surface.points(uv) - points, axis=1)
+    for _ in range(FOOT_STEPS):
+        rows = rows[off[rows] > FAINT]
+        if not len(rows):
+            break
+        p, su, sv = surface.derivatives(found[rows])
+        gap = points[rows] - p
+        uu, vv, cross = (np.einsum("ij,ij->i", a, b) for a, b in ((su, su), (sv, sv), (su, sv)))
+        u, v = (np.einsum("ij,ij->i", gap, a) for a in (su, sv))
+        size = uu * vv - cross * cross
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = np.stack([vv * u - cross * v, uu * v - cross * u], axis=1) / size[:, None]
+        new = found[rows] + np.where((size > FLAT * uu * vv)[:, None], step, 0.0)
+        distance = np.linalg.norm(surface.points(new) - points[rows], axis=1)
+        nearer = distance < (1.0 - FEW) * off[rows]
+        rows, new, distance = rows[nearer], new[nearer], distance[nearer]
+        found[rows], off[rows] = new, distance
+    return found
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

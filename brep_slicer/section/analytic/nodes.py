@@ -31,12 +31,13 @@ Evaluate = Callable[[Array, int], list[Array]]
 class Nodes:
     """Arrays (n,) or (n, 3) over all nodes, sorted by edge: `layer`, `edge`, `t` on the edge, `points` in the axis frame.
 
-    `first` (edges + 1,) says where each edge's nodes begin.
+    `span` (n, 2) are the ends of each node's stretch on its edge; `first` (edges + 1,) says where each edge's nodes begin.
     """
 
     layer: NDArray[np.int64]
     edge: NDArray[np.int64]
     t: Array
+    span: Array
     points: Array
     rising: NDArray[np.bool_]
     first: NDArray[np.int64]
@@ -67,7 +68,7 @@ def find_nodes(brep: Brep, stretches: EdgeStretches, radii: Array) -> Nodes:
         t[mine] = crossings(evaluate, span, radius) if line is None else _on_line(line, span, radius)
         points[mine] = evaluate(t[mine], 0)[0]
     rising = stretches.rho[stretch, 1] > stretches.rho[stretch, 0]
-    return Nodes(layer=layer, edge=edge, t=t, points=points, rising=rising, first=first)
+    return Nodes(layer=layer, edge=edge, t=t, span=stretches.t[stretch], points=points, rising=rising, first=first)
 
 
 def _groups(brep: Brep, edge: NDArray[np.int64], first: NDArray[np.int64]):

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from brep_slicer.curves.spline import bernstein_basis, span_nodes
 from brep_slicer.geometry import Surface
 from brep_slicer.maps import TURN, Array
+from brep_slicer.section.certificate import LARGEST_ERROR
 
 from .ground import Ground, Which, level_gap
 
@@ -28,9 +29,9 @@ BETWEEN = 5e-10
 # A span is halved this often at most: 2**-16 of the arc.
 MOST_HALVINGS = 16
 NEWTON_STEPS = 14
-# An end is brought onto the level from no farther than this, mm: as far as an edge 1e-3 mm off its face may be that grazes
-# the level. What is more than the edges' gaps explain fails the layer (engine.py).
-OFF_EDGE = 2.5e-2
+# An end is brought onto the level from no farther than this, mm: an outline that is off by more is none. What is more than the
+# edges' gaps explain fails the layer (engine.py).
+OFF_EDGE = LARGEST_ERROR
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

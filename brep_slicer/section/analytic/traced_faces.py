@@ -67,7 +67,7 @@ def arcs_on_traced_faces(traced: Sequence[TracedFace], radii: Array) -> list[Fac
     for one, arcs, layers in zip(traced, out, guided, strict=True):
         if layers or one.closed:
             grid = grid_of_face(one.face, one.around)
-            _guided(one.face, one.found, radii, sorted(layers), arcs, grid, closed=one.closed)
+            _guided(one, radii, sorted(layers), arcs, grid)
         if one.closed:
             _check_islands(one.face, one.found, radii, one.marks, arcs)
     return out
@@ -180,10 +180,9 @@ def _add(
     arcs.residual[layer] = max(arcs.residual.get(layer, 0.0), residual)
 
 
-def _guided(
-    face: Face, found: FaceNodes, radii: Array, layers: list[int], arcs: FaceArcs, grid: FaceGrid, *, closed: bool
-) -> None:
+def _guided(one: TracedFace, radii: Array, layers: list[int], arcs: FaceArcs, grid: FaceGrid) -> None:
     """Trace along coarse level lines, layer by layer."""
+    face, found, around, closed = one.face, one.found, one.around, one.closed
     trimming = trimming_of(face) if closed else None
     if closed:
         near = 1e-9 * max(1.0, float(grid.rho.max()))
@@ -198,6 +197,14 @@ def _guided(
         have = {i for i, made in enumerate(arcs.layer) if made == layer}
         if not have and len(mine):
             used = _trace_guided(face, found, grid, lines, mine, radius, layer, arcs)
+            if used is None:
+                # where a face is nearly level, a coarse grid's lines pass by its nodes; one that closes in on them leads there
+                finer = grid_of_face(face, np.concatenate([found.uv[mine], around]))
+                lines = finer.level_lines(radius)
+                used = _trace_guided(face, found, finer, lines, mine, radius, layer, arcs)
+            if used is None:
+                arcs.failed[layer] = f"the crossings on face {face.index} could not be followed"
+                continue
         else:
             used = set(place_on_lines(found.uv[mine], lines, grid.scale).line.tolist()) if len(mine) and lines else set()
         if trimming is not None:
@@ -208,16 +215,14 @@ def _guided(
 
 def _trace_guided(
     face: Face, found: FaceNodes, grid: FaceGrid, lines: list[Array], mine, radius: float, layer: int, arcs
-) -> set[int]:
-    reason = f"the crossings on face {face.index} could not be followed"
+) -> set[int] | None:
+    """Trace the arcs of one layer along guides; which of them were used, or None where they do not lead to the nodes."""
     if not lines:
-        arcs.failed[layer] = reason
-        return set()
+        return None
     placed = place_on_lines(found.uv[mine], lines, grid.scale)
     cell = np.array([np.diff(grid.u).max(), np.diff(grid.v).max()]) * grid.scale
     if (placed.distance > CELLS_AWAY * np.hypot(*cell)).any():
-        arcs.failed[layer] = reason
-        return set()
+        return None
     way = np.array([_way(face, line, radius) for line in lines])
     round_ones = np.array([np.array_equal(line[0], line[-1]) for line in lines])
     here = found.select(np.isin(np.arange(len(found)), mine))
@@ -230,8 +235,7 @@ def _trace_guided(
         part = here.select(some)
         pairs = pair_along(part, placed.line[some], position[some], cyclic=cyclic)
         if len(pairs.bad):
-            arcs.failed[layer] = reason
-            return set()
+            return None
         rows = np.flatnonzero(some)
         for i, j in zip(rows[pairs.start].tolist(), rows[pairs.end].tolist(), strict=True):
             number = int(placed.line[i])
@@ -242,9 +246,8 @@ def _trace_guided(
                 a, b = total + a, total + b
             inner = between(line, grid.scale, a, b)
             plans.append((i, j, np.concatenate([here.uv[i][None], _thinned(inner), here.uv[j][None]])))
-    if not _trace_plans(face, grid, plans, radius, layer, here, arcs):
-        arcs.failed[layer] = reason
-    return set(placed.line.tolist())
+    traced = _trace_plans(face, grid, plans, radius, layer, here, arcs)
+    return set(placed.line.tolist()) if traced else None
 
 
 def _way(face: Face, line: Array, radius: float) -> float:

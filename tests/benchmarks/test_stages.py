@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import brep_slicer as bs
-from brep_slicer import planning
 from brep_slicer.output.write import write_plan
+from brep_slicer.planning import planner, sections
 from brep_slicer.region import slice_solids
 from brep_slicer.section import Engine, cut_solids
 from brep_slicer.toolpath import lift_layers
@@ -38,11 +38,11 @@ class Clock:
 @pytest.mark.parametrize(("name", "substrate"), [("helical_gear_tooth", 150.0), ("helical_gear", 87.5)])
 def test_stages_of_plan(name, substrate, fixture_step, monkeypatch, tmp_path, capsys):
     clock = Clock()
-    monkeypatch.setattr(planning, "cut_solids", clock.timed("geometry", cut_solids))
-    monkeypatch.setattr(planning, "find_substrate", clock.timed("substrate", planning.find_substrate))
-    monkeypatch.setattr(planning, "slice_solids", clock.timed("sections", slice_solids))
-    monkeypatch.setattr(planning, "fill_layer", clock.timed("fill", planning.fill_layer))
-    monkeypatch.setattr(planning, "lift_layers", clock.timed("toolpath", lift_layers))
+    monkeypatch.setattr(sections, "cut_solids", clock.timed("geometry", cut_solids))
+    monkeypatch.setattr(sections, "find_substrate", clock.timed("substrate", sections.find_substrate))
+    monkeypatch.setattr(sections, "slice_solids", clock.timed("sections", slice_solids))
+    monkeypatch.setattr(planner, "fill_layer", clock.timed("fill", planner.fill_layer))
+    monkeypatch.setattr(planner, "lift_layers", clock.timed("toolpath", lift_layers))
     part = clock.timed("read", bs.read_step)(fixture_step(name))
     process = bs.Process(layer_thickness=1.4, step_over=3.4)
     plan = clock.timed("plan in all", bs.plan)(part, process, axis=Z, substrate=substrate)
@@ -53,6 +53,7 @@ def test_stages_of_plan(name, substrate, fixture_step, monkeypatch, tmp_path, ca
         for stage, seconds in clock.seconds.items():
             print(f"  {stage:20s} {1000 * seconds:9.1f} ms")
     assert beads
+    assert set(clock.seconds) >= {"read", "geometry", "substrate", "sections", "fill", "toolpath", "files and pictures"}
 
 
 @pytest.mark.parametrize("name", ["helical_gear", "propeller"])

@@ -1,0 +1,1 @@
+"""Benchmarks: ratios to a stated base in the same run."""

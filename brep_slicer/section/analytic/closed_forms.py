@@ -49,20 +49,30 @@ class FaceArcs:
         self.start.append(start)
         self.end.append(end)
 
+    def extend(self, other: FaceArcs) -> None:
+        """All of another's."""
+        for name in ("curves", "layer", "start", "end"):
+            getattr(self, name).extend(getattr(other, name))
+        self.failed.update(other.failed)
+        self.residual.update(other.residual)
+
 
 Solver = Callable[[Face, FaceNodes, Array], FaceArcs]
 
 
 def closed_form_of(face: Face) -> Solver | None:
-    """The solver for a face's kind of surface and its place to the axis, or None if there is no closed form here."""
+    """The solver for a face's kind of surface and its place to the axis, or None if there is no closed form here.
+
+    Spheres have a module of their own.
+    """
     surface = face.surface
     if isinstance(surface, ElementarySurface):
         across = float(np.hypot(*surface.frame[2, :2]))
         coaxial = across <= PARALLEL and float(np.hypot(*surface.origin[:2])) <= 1e-9
         if surface.kind is SurfaceKind.PLANE:
             return _on_plane(across, abs(float(surface.frame[2, 2])))
-        if coaxial or (surface.kind is SurfaceKind.SPHERE and float(np.hypot(*surface.origin[:2])) <= 1e-9):
-            return None if surface.kind is SurfaceKind.SPHERE and across > PARALLEL else _circles_of_revolution
+        if coaxial and surface.kind is not SurfaceKind.SPHERE:
+            return _circles_of_revolution
         if surface.kind is SurfaceKind.CYLINDER and across <= PARALLEL:
             return _rulings_on_cylinder
     if isinstance(surface, Extrusion) and float(np.hypot(*surface.direction[:2])) <= PARALLEL:
@@ -151,7 +161,7 @@ def _rulings_on_extrusion(face: Face, found: FaceNodes, radii: Array) -> FaceArc
     return _rulings(face, found, radii, places.number, np.sign(along), theta)
 
 
-def _round(face: Face, found: FaceNodes, radii: Array, component: Array, way: Array, make) -> FaceArcs:
+def arcs_round(face: Face, found: FaceNodes, radii: Array, component: Array, way: Array, make) -> FaceArcs:
     """Arcs along curves that go round the axis; `way` (n,) is +1 where theta rises along the section."""
     pairs = pair_along(found, component, way * found.theta, cyclic=True)
     arcs = FaceArcs()
@@ -181,7 +191,7 @@ def _circles_on_plane(face: Face, found: FaceNodes, radii: Array) -> FaceArcs:
     assert isinstance(surface, ElementarySurface)
     way = -np.sign(_centre_normal(face)[2])
     height = np.full(len(found), surface.origin[2])
-    return _round(face, found, radii, np.zeros(len(found)), np.full(len(found), way), _line_at(face, radii, height))
+    return arcs_round(face, found, radii, np.zeros(len(found)), np.full(len(found), way), _line_at(face, radii, height))
 
 
 def _circles_of_revolution(face: Face, found: FaceNodes, radii: Array) -> FaceArcs:
@@ -193,7 +203,7 @@ def _circles_of_revolution(face: Face, found: FaceNodes, radii: Array) -> FaceAr
     else:
         component, height = _heights(face, found, radii)
     way = -np.sign(outward_normals(face, uv)[:, 2])
-    return _round(face, found, radii, component, way, _line_at(face, radii, height))
+    return arcs_round(face, found, radii, component, way, _line_at(face, radii, height))
 
 
 def _heights(face: Face, found: FaceNodes, radii: Array) -> tuple[Array, Array]:
@@ -208,9 +218,7 @@ def _heights(face: Face, found: FaceNodes, radii: Array) -> tuple[Array, Array]:
         rises = [(side * r - surface.radius) / np.tan(surface.half_angle) for side in (1.0, -1.0)]
         return _nearest(base + up * np.stack(rises), found.z)
     # a torus may be so thick that it crosses its own axis: its inner part has the profile -(major + minor cos v)
-    centres = (0.0,) if surface.kind is SurfaceKind.SPHERE else (surface.radius, -surface.radius)
-    tube = surface.radius if surface.kind is SurfaceKind.SPHERE else surface.minor
-    rises = [np.sqrt(np.maximum(tube**2 - (r - c) ** 2, 0.0)) for c in centres]
+    rises = [np.sqrt(np.maximum(surface.minor**2 - (r - c) ** 2, 0.0)) for c in (surface.radius, -surface.radius)]
     return _nearest(np.stack([base + side * rise for rise in rises for side in (1.0, -1.0)]), found.z)
 
 
@@ -234,7 +242,7 @@ def _sinusoids(face: Face, found: FaceNodes, radii: Array) -> FaceArcs:
     def make(layer: int, row: int, theta0: float, theta1: float) -> Curve:
         return sinusoid_on_plane(face, float(radii[layer]), theta0, theta1)
 
-    return _round(face, found, radii, np.zeros(len(found)), np.full(len(found), way), make)
+    return arcs_round(face, found, radii, np.zeros(len(found)), np.full(len(found), way), make)
 
 
 def sinusoid_on_plane(face: Face, radius: float, theta0: float, theta1: float) -> SinusoidCurve:

@@ -10,7 +10,7 @@ import numpy as np
 from brep_slicer.curves import Loop
 from brep_slicer.errors import LayerError
 from brep_slicer.field import SNAP, EdgeStretches, radial_gradient, radii_of
-from brep_slicer.geometry import Face
+from brep_slicer.geometry import ElementarySurface, Face, SurfaceKind
 from brep_slicer.layers import cylinder
 from brep_slicer.maps import TURN, Array
 from brep_slicer.section.certificate import Certificate, Engine
@@ -20,8 +20,9 @@ from brep_slicer.section.cut_solid import CutSolid
 from .closed_forms import FaceArcs, closed_form_of, loops_on_planes
 from .face_nodes import FaceNodes, nodes_on_face
 from .flatter import nodes_on_flatter_faces
-from .hot_edges import VERTEX_NODES, arcs_on_hot_edges, hot_layers
+from .hot_edges import VERTEX_NODES, arcs_on_hot_edges, arcs_on_hot_loops, hot_layers
 from .nodes import Nodes, find_nodes
+from .spheres import arcs_on_sphere
 from .traced_faces import TracedFace, arcs_on_traced_faces
 
 # Points of closed forms and of nodes are exact but for rounding, mm.
@@ -82,6 +83,10 @@ def _arcs_on_face(
         if not free.all():
             out.append(arcs)
             found = found.select(free)
+    surface = face.surface
+    if isinstance(surface, ElementarySurface) and surface.kind is SurfaceKind.SPHERE:
+        whole, edged = arcs_on_hot_loops(brep, face, radii, hot)
+        return [*out, whole, arcs_on_sphere(face, found, radii, edged | (busy - set(found.layer.tolist())))], []
     solve = closed_form_of(face)
     if solve is not None:
         if len(found):

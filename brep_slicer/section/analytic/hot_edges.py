@@ -54,6 +54,20 @@ def arcs_on_hot_edges(
     return arcs, free
 
 
+def arcs_on_hot_loops(brep: Brep, face: Face, radii: Array, hot: dict[int, list[int]]) -> tuple[FaceArcs, set[int]]:
+    """Whole boundaries of hot edges from which the face rises (a ball on its shaft), and the layers that they are on."""
+    arcs = FaceArcs()
+    for loop in face.loops:
+        uses = [use for use in loop if brep.edges[use.edge].curve is not None]
+        layers = set.intersection(*(set(hot.get(use.edge, ())) for use in uses)) if uses else set()
+        for layer in sorted(layers):
+            radius = float(radii[layer])
+            if all(_rises_inwards(face, use, radius) for use in uses):
+                corner = VERTEX_NODES + brep.edges[uses[0].edge].vertices[0 if uses[0].forward else 1]
+                _add_run(brep, face, arcs, radius, layer, (corner, corner), uses)
+    return arcs, set(arcs.layer)
+
+
 def _runs(face: Face, found: FaceNodes, rows: np.ndarray, layer: int, hot: dict[int, list[int]]):
     """(start row, end row, edge uses) wherever a start is followed by hot edges alone and then by an end."""
     number = 0

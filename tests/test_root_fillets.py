@@ -83,3 +83,46 @@ def test_about_any_axis_from_a_file(turn, tmp_path):
     assert layer.certificate.engine is Engine.ANALYTIC
     assert not layer.certificate.fallback
     assert layer.area == pytest.approx(boss_area(8.0, 2.5), abs=CONTACT * 2.0 * np.pi * 10.5)
+
+
+@pytest.mark.parametrize("outside", [1e-7, 2e-7, 5e-7, 1e-6, 3e-6, 1e-5])
+@pytest.mark.parametrize(
+    ("outline", "ball"),
+    [
+        pytest.param(bd.Circle(8), 1.0, id="boss 1"),
+        pytest.param(bd.Circle(8), 2.5, id="boss 2.5"),
+        pytest.param(bd.RegularPolygon(9, 6), 2.0, id="hexagon"),
+        pytest.param(bd.Rot(0, 0, 30) * bd.RectangleRounded(24, 5, 2.4), 2.0, id="tilted blade"),
+        pytest.param(bd.RectangleRounded(20, 9, 2), 1.5, id="key"),
+    ],
+)
+def test_just_outside_of_the_contact(outline, ball, outside):
+    # within the noise of the fillet's edge (up to 1.5e-5 mm) the outline is the edge's, and says how far it may be off
+    layers = bs.slice_part(
+        filleted(outline, 50, lambda root: bd.fillet(root, ball)), [HUB, HUB + outside, HUB + 1e-4, HUB + 4e-4], axis="Z"
+    )
+    assert [layer.certificate.fallback for layer in layers] == [""] * 4
+    assert all(layer.certificate.engine is Engine.ANALYTIC for layer in layers)
+    at, layer, near, far = layers
+    slope = (near.area - far.area) / 1e-2
+    wanted = near.area + slope * (1e-2 - np.sqrt(outside))
+    assert layer.area == pytest.approx(wanted, abs=0.02 + layer.certificate.bound * layer.region.length)
+    assert near.area < layer.area <= at.area + 1e-3
+    assert layer.certificate.bound < 0.03
+
+
+@pytest.mark.parametrize("outside", [1e-8, 2e-7, 1e-6, 1e-5])
+@pytest.mark.parametrize("sector", [bd.Box(100, 100, 100), bd.Pos(50, 0, 0) * bd.Box(100, 40, 100)])
+def test_a_collar_just_outside_of_its_contact(sector, outside):
+    # 2 pi R (12 + 2 (r - sqrt(r**2 - (r - outside)**2))), and of a strip 40 wide the share 2 asin(20 / R) / (2 pi)
+    ball = 3.0
+    part = bd.Cylinder(HUB, 60) + bd.Cylinder(40, 12)
+    root = [edge for edge in part.edges() if edge.geom_type == bd.GeomType.CIRCLE and abs(edge.radius - HUB) < 1e-6]
+    part = bd.Cylinder(HUB, 60) + (bd.fillet([edge for edge in root if abs(edge.center().Z) < 25], ball) & sector)
+    (layer,) = bs.slice_part(part, [HUB + outside], axis="Z")
+    radius = HUB + outside
+    turn = 2.0 * np.pi if sector.bounding_box().min.X < 0 else 2.0 * np.arcsin(20.0 / radius)
+    wanted = turn * radius * (12.0 + 2.0 * (ball - np.sqrt(ball**2 - (ball - outside) ** 2)))
+    assert layer.certificate.engine is Engine.ANALYTIC
+    assert layer.certificate.fallback == ""
+    assert layer.area == pytest.approx(wanted, abs=1e-6 + layer.certificate.bound * layer.region.length)

@@ -21,7 +21,7 @@ from brep_slicer.errors import LayerError
 from brep_slicer.layers import cylinder
 from brep_slicer.maps import Array
 
-from .analytic import sections_by_analysis
+from .analytic import IN_NOISE, sections_by_analysis
 from .boolean import COINCIDENCE_STEP, clear_radius, section_by_boolean
 from .certificate import Certificate, Engine, check_error
 from .cut_solid import CutSolid
@@ -100,8 +100,12 @@ class SolidSections:
         found = self.ahead[i]
         if isinstance(found, LayerError):
             return self._fallback(i, str(found))
+        loops, certificate = found
+        radius = float(self.radii[i])
         try:
-            check_error(found[1], float(self.radii[i]))
+            check_error(certificate, radius)
+            if IN_NOISE in certificate.checks:
+                return loops, self._agreed(i, radius, loops, certificate, certificate.residual)
         except LayerError as error:
             return self._fallback(i, str(error))
         return found

@@ -3,6 +3,6 @@
 In: a solid's numpy geometry and all radii at once. Out: closed loops of exact curves for each radius, with a certificate.
 """
 
-from .engine import sections_by_analysis
+from .engine import IN_NOISE, sections_by_analysis
 
-__all__ = ["sections_by_analysis"]
+__all__ = ["IN_NOISE", "sections_by_analysis"]

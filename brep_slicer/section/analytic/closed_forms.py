@@ -200,6 +200,9 @@ def _circles_of_revolution(face: Face, found: FaceNodes, radii: Array) -> FaceAr
         places = places_on_profile(surface.curve, face.box[:, 1], uv[:, 1], found.layer, radii[found.layer])
         component, height = places.number, places.point[:, 2]
         uv = np.stack([uv[:, 0], places.parameter], axis=1)
+    elif surface.kind is SurfaceKind.TORUS:
+        component, height, v = _on_torus(face, found, radii)
+        uv = np.stack([uv[:, 0], v], axis=1)
     else:
         component, height = _heights(face, found, radii)
     way = -np.sign(outward_normals(face, uv)[:, 2])
@@ -213,13 +216,25 @@ def _heights(face: Face, found: FaceNodes, radii: Array) -> tuple[Array, Array]:
     if surface.kind is SurfaceKind.CYLINDER:
         return _clustered(found)
     base, up = surface.origin[2], surface.frame[2, 2]
-    if surface.kind is SurfaceKind.CONE:
-        # on the other nappe, beyond the apex, the cone's own radius is negative
-        rises = [(side * r - surface.radius) / np.tan(surface.half_angle) for side in (1.0, -1.0)]
-        return _nearest(base + up * np.stack(rises), found.z)
+    # on the other nappe, beyond the apex, the cone's own radius is negative
+    rises = [(side * r - surface.radius) / np.tan(surface.half_angle) for side in (1.0, -1.0)]
+    return _nearest(base + up * np.stack(rises), found.z)
+
+
+def _on_torus(face: Face, found: FaceNodes, radii: Array) -> tuple[Array, Array, Array]:
+    """The same, and the circle's own v: of the face's own circles the nearest, for where a fillet is tangent to the layer its
+    surface has another one just as near on the far side of its edge."""
+    surface, r = face.surface, radii[found.layer]
+    assert isinstance(surface, ElementarySurface)
     # a torus may be so thick that it crosses its own axis: its inner part has the profile -(major + minor cos v)
-    rises = [np.sqrt(np.maximum(surface.minor**2 - (r - c) ** 2, 0.0)) for c in (surface.radius, -surface.radius)]
-    return _nearest(np.stack([base + side * rise for rise in rises for side in (1.0, -1.0)]), found.z)
+    cosines = [(side * r - surface.radius) / surface.minor for side in (1.0, -1.0)]
+    v = np.stack([way * np.arccos(np.clip(c, -1.0, 1.0)) for c in cosines for way in (1.0, -1.0)])
+    heights = surface.origin[2] + surface.frame[2, 2] * surface.minor * np.sin(v)
+    first, last = face.box[:, 1]
+    inside = np.mod(v - first + SAME_ANGLE, TURN) <= last - first + 2.0 * SAME_ANGLE
+    away = np.where(inside | ~inside.any(axis=0), np.abs(heights - found.z), np.inf)
+    nearest, rows = away.argmin(axis=0), np.arange(len(r))
+    return nearest, heights[nearest, rows], v[nearest, rows]
 
 
 def _clustered(found: FaceNodes) -> tuple[Array, Array]:

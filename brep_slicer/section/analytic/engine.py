@@ -5,6 +5,8 @@ In: a CutSolid and radii. Out: for each radius its loops and a certificate, or t
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from brep_slicer.curves import Loop
@@ -20,11 +22,14 @@ from brep_slicer.section.cut_solid import CutSolid
 from .closed_forms import FaceArcs, closed_form_of, loops_on_planes
 from .face_nodes import FaceNodes, nodes_on_face
 from .flatter import nodes_on_flatter_faces
-from .hot_edges import VERTEX_NODES, arcs_on_hot_edges, arcs_on_hot_loops, hot_layers
+from .hot_edges import NOISIEST, VERTEX_NODES, HotEdges, arcs_on_hot_edges, arcs_on_hot_loops, hot_edges
 from .nodes import Nodes, find_nodes
 from .spheres import arcs_on_sphere
 from .traced_faces import TracedFace, arcs_on_traced_faces
 
+# The check that says that a section is an edge's own curve, since the layer lies within that edge's noise.
+IN_NOISE = "in_the_noise_of_an_edge"
+Section = tuple[list[Loop], Certificate] | LayerError
 # Points of closed forms and of nodes are exact but for rounding, mm.
 ROUNDING = 1e-12
 # Two faces and the edge between them can add up to a jog of this many gaps.
@@ -33,13 +38,30 @@ GAPS = 4.0
 MOST_JOG = 0.005
 
 
-def sections_by_analysis(solid: CutSolid, radii: Array) -> list[tuple[list[Loop], Certificate] | LayerError]:
-    """Cut one solid at increasing radii (n,), mm."""
+def sections_by_analysis(solid: CutSolid, radii: Array) -> list[Section]:
+    """Cut one solid at increasing radii (n,), mm.
+
+    What fails in the noise of an edge that strays from its level is cut again, by that edge.
+    """
+    radii = np.asarray(radii, dtype=np.float64)
+    found = _sections(solid, radii, noisy=False)
+    failed = [i for i, section in enumerate(found) if isinstance(section, LayerError)]
+    levels = solid.stretches.edge_level[np.isfinite(solid.stretches.edge_level)]
+    near = [i for i in failed if np.any((radii[i] > levels) & (radii[i] < levels + NOISIEST))]
+    if near:
+        for i, section in zip(near, _sections(solid, radii[near], noisy=True), strict=True):
+            if not isinstance(section, LayerError):
+                checks = {**section[1].checks, IN_NOISE: True}
+                found[i] = section[0], replace(section[1], checks=checks, coincident=True)
+    return found
+
+
+def _sections(solid: CutSolid, asked: Array, *, noisy: bool) -> list[Section]:
+    """Cut one solid at increasing radii (n,); `noisy` as of `hot_edges`."""
     brep, stretches = solid.brep, solid.stretches
-    asked = np.asarray(radii, dtype=np.float64)
     radii = _off_the_edge(asked, stretches)
     nodes = nodes_on_flatter_faces(brep, find_nodes(brep, stretches, radii), solid.gaps, radii)
-    hot = hot_layers(stretches.edge_level, radii)
+    hot = hot_edges(brep, stretches.edge_level, radii, noisy=noisy)
     made: list[FaceArcs] = []
     traced: list[TracedFace] = []
     for face in brep.faces:
@@ -72,20 +94,20 @@ def _off_the_edge(radii: Array, stretches: EdgeStretches) -> Array:
 
 
 def _arcs_on_face(
-    solid: CutSolid, face: Face, found: FaceNodes, radii: Array, hot: dict[int, list[int]]
+    solid: CutSolid, face: Face, found: FaceNodes, radii: Array, hot: HotEdges
 ) -> tuple[list[FaceArcs], list[TracedFace]]:
     """The arcs that are known in closed form, and the face with what is left to be traced, if anything is."""
     brep, stretches = solid.brep, solid.stretches
     out: list[FaceArcs] = []
     busy = set(found.layer.tolist())
-    if hot and len(found):
-        arcs, free = arcs_on_hot_edges(brep, face, found, radii, hot)
+    if hot.layers and len(found):
+        arcs, free = arcs_on_hot_edges(face, found, radii, hot)
         if not free.all():
             out.append(arcs)
             found = found.select(free)
     surface = face.surface
     if isinstance(surface, ElementarySurface) and surface.kind is SurfaceKind.SPHERE:
-        whole, edged = arcs_on_hot_loops(brep, face, radii, hot)
+        whole, edged = arcs_on_hot_loops(face, radii, hot)
         return [*out, whole, arcs_on_sphere(face, found, radii, edged | (busy - set(found.layer.tolist())))], []
     solve = closed_form_of(face)
     if solve is not None:
@@ -102,9 +124,7 @@ def _arcs_on_face(
     return out, [TracedFace(face=face, found=found, around=around, marks=np.concatenate([sides, peaks]), closed=closed)]
 
 
-def _assembled(
-    solid: CutSolid, radii: Array, nodes: Nodes, made: list[FaceArcs]
-) -> list[tuple[list[Loop], Certificate] | LayerError]:
+def _assembled(solid: CutSolid, radii: Array, nodes: Nodes, made: list[FaceArcs]) -> list[Section]:
     arcs: list[list[Arc]] = [[] for _ in radii]
     failed: dict[int, str] = {}
     residual = np.full(len(radii), ROUNDING)
@@ -118,7 +138,7 @@ def _assembled(
     counts = np.bincount(nodes.layer, minlength=len(radii))
     allowed = _allowed_jogs(solid, nodes, len(radii))
     level = solid.critical.level
-    out: list[tuple[list[Loop], Certificate] | LayerError] = []
+    out: list[Section] = []
     for layer, radius in enumerate(radii.tolist()):
         if layer in failed:
             out.append(LayerError(failed[layer]))
@@ -204,6 +224,8 @@ def _certified(
         raise LayerError(f"a jog of {jog:.3g} mm is larger than the gaps of the edges allow ({allowed:.3g} mm)")
     if sum(loop.winding for loop in loops) != 0:
         raise LayerError("the loops round the axis do not add up")
+    if sum(loop.signed_area() for loop in loops) < -residual * sum(loop.length() for loop in loops):
+        raise LayerError("the outline holds less than nothing: an arc went the wrong way round")
     checks: dict[str, bool | float | str] = {
         "nodes": nodes,
         "every_node_met_twice": True,

@@ -38,6 +38,8 @@ FIRST = {"wind_blade": (40, 160), "propeller": (0, 40)}
 WITHIN = 0.02
 # What lies beyond the outline is told of from this share of a piece's metal on.
 MOST_BEYOND = 0.1
+# Two accounts of it agree within this.
+ACCOUNTS = 0.01
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,7 +55,7 @@ class Found:
     @property
     def off(self) -> bool:
         """Whether more than 2 % of its metal is missing or surplus, or more than a tenth lies beyond it."""
-        return abs(self.share - 1.0) > WITHIN or self.beyond > MOST_BEYOND
+        return abs(self.share - 1.0) > WITHIN or self.beyond > MOST_BEYOND + ACCOUNTS
 
 
 def metal_by_piece(plan: Plan) -> list[Found]:

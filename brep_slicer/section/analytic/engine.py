@@ -107,8 +107,9 @@ def _arcs_on_face(
             found = found.select(free)
     surface = face.surface
     if isinstance(surface, ElementarySurface) and surface.kind is SurfaceKind.SPHERE:
+        sides = np.array([stretches.vertex_rho[brep.edges[loop[0].edge].vertices[0]] for loop in face.loops])
         whole, edged = arcs_on_hot_loops(face, radii, hot)
-        return [*out, whole, arcs_on_sphere(face, found, radii, edged | (busy - set(found.layer.tolist())))], []
+        return [*out, whole, arcs_on_sphere(face, found, radii, edged | (busy - set(found.layer.tolist())), sides)], []
     solve = closed_form_of(face)
     if solve is not None:
         if len(found):

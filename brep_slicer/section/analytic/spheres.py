@@ -74,8 +74,16 @@ class _Sphere:
             return LineCurve.between((ends[0], v), (ends[1], v), face=self.face.index)
         return QuadricCurve(**self._quadric(radius), branch=int(side), range=ends)
 
-    def contains(self, curve: Curve, radius: float) -> bool:
-        """Whether a curve that meets none of the face's edges lies on the face."""
+    def contains(self, curve: Curve, radius: float, sides: Array) -> bool:
+        """Whether a curve that meets none of the face's edges lies on the face, by the radii of its loops (n,), mm.
+
+        An oval parts the sphere: where all loops lie inside of R, what is outside is on the face as its farthest point is.
+        """
+        if (sides <= radius + SNAP).all() and radius + self.d > self.r:
+            away = np.array([np.cos(self.phi), np.sin(self.phi), 0.0])
+            uv = self.surface.parameters((self.origin + self.r * away)[None])
+            uv[:, 0] = np.mod(uv[:, 0] - self.face.box[0, 0], TURN) + self.face.box[0, 0]
+            return not len(sides) or bool(trimming_of(self.face).contains(uv + 1e-9)[0])
         flat = curve.points(np.linspace(0.0, 1.0, SAMPLES, endpoint=False))
         theta = flat[:, 0] / radius
         uv = self.surface.parameters(np.stack([radius * np.cos(theta), radius * np.sin(theta), flat[:, 1]], axis=1))
@@ -83,8 +91,11 @@ class _Sphere:
         return trimming_of(self.face).surely_contains(uv, np.full(2, self.r))
 
 
-def arcs_on_sphere(face: Face, found: FaceNodes, radii: Array, edged: set[int]) -> FaceArcs:
-    """All arcs of all layers on a sphere; in the layers `edged` its whole outline is the section already."""
+def arcs_on_sphere(face: Face, found: FaceNodes, radii: Array, edged: set[int], sides: Array) -> FaceArcs:
+    """All arcs of all layers on a sphere; in the layers `edged` its whole outline is the section already.
+
+    `sides` (loops,) are the effective radii of one vertex of each of its loops.
+    """
     sphere, arcs = _Sphere(face), FaceArcs()
     meets, rings = sphere.meets(radii), sphere.rings(radii)
     reason = f"the crossings on face {face.index} do not pair up"
@@ -101,7 +112,7 @@ def arcs_on_sphere(face: Face, found: FaceNodes, radii: Array, edged: set[int]) 
     for layer in sorted(set(np.flatnonzero(meets).tolist()) - edged - set(arcs.failed)):
         for which in (1.0, -1.0) if rings[layer] else (0.0,):
             if (layer, which) not in busy:
-                _add_whole(sphere, float(radii[layer]), layer, which, arcs)
+                _add_whole(sphere, float(radii[layer]), layer, which, sides, arcs)
     return arcs
 
 
@@ -144,12 +155,12 @@ def _angle_of_fold(sphere: _Sphere, found: FaceNodes, radius: Array) -> Array:
     return np.where(w >= 0.0, upper, TURN - upper)
 
 
-def _add_whole(sphere: _Sphere, radius: float, layer: int, side: float, arcs: FaceArcs) -> None:
+def _add_whole(sphere: _Sphere, radius: float, layer: int, side: float, sides: Array, arcs: FaceArcs) -> None:
     """An oval (side 0) or a ring that meets no edge, if it lies on the face."""
     if side == 0.0:
         ends = (TURN, 0.0) if sphere.out > 0.0 else (0.0, TURN)
         curve: Curve = sphere.oval(radius, *ends)
     else:
         curve = sphere.ring(radius, side, 0.0, -sphere.out * side * TURN)
-    if sphere.contains(curve, radius):
+    if sphere.contains(curve, radius, sides):
         arcs.add(curve, layer, -1, -1)

@@ -27,9 +27,12 @@ if TYPE_CHECKING:
         PlanningError as PlanningError,
     )
     from .fill import (
+        AreaFill as AreaFill,
+        Automatic as Automatic,
         Bead as Bead,
         BeadKind as BeadKind,
         Contours as Contours,
+        FillArea as FillArea,
         FlankFollowing as FlankFollowing,
         Hatch as Hatch,
         Helix as Helix,
@@ -52,6 +55,9 @@ if TYPE_CHECKING:
     from .output.write import (
         write_plan as write_plan,
     )
+    from .output.writer import (
+        Writer as Writer,
+    )
     from .part import (
         Part as Part,
         Solid as Solid,
@@ -64,12 +70,17 @@ if TYPE_CHECKING:
     )
     from .process import (
         CutAt as CutAt,
-        Fit as Fit,
-        InnerPattern as InnerPattern,
+        Fill as Fill,
         LastLayer as LastLayer,
+        Laser as Laser,
+        Layers as Layers,
+        Motion as Motion,
         Order as Order,
+        OutlinePosition as OutlinePosition,
+        Powder as Powder,
         Process as Process,
         Rule as Rule,
+        parameter as parameter,
         read_process as read_process,
     )
     from .region import (
@@ -104,9 +115,12 @@ _HOMES = {
     "curves": ("Curve", "CurveKind", "Loop"),
     "errors": ("BrepSlicerError", "InputError", "KernelError", "LayerError", "PlanningError"),
     "fill": (
+        "AreaFill",
+        "Automatic",
         "Bead",
         "BeadKind",
         "Contours",
+        "FillArea",
         "FlankFollowing",
         "Hatch",
         "Helix",
@@ -122,9 +136,24 @@ _HOMES = {
     "inspection": ("Inspection", "inspect_part"),
     "output.tables": ("read_toolpath",),
     "output.write": ("write_plan",),
+    "output.writer": ("Writer",),
     "part": ("Part", "Solid", "as_part", "read_step"),
     "planning": ("Plan", "plan"),
-    "process": ("CutAt", "Fit", "InnerPattern", "LastLayer", "Order", "Process", "Rule", "read_process"),
+    "process": (
+        "CutAt",
+        "Fill",
+        "LastLayer",
+        "Laser",
+        "Layers",
+        "Motion",
+        "Order",
+        "OutlinePosition",
+        "Powder",
+        "Process",
+        "Rule",
+        "parameter",
+        "read_process",
+    ),
     "region": ("FailedLayer", "Layer", "Piece", "Region", "slice_part"),
     "section": ("Certificate", "Engine"),
     "substrate.axis": ("Axis", "axis_candidates", "axis_from_line", "axis_from_text", "find_axis"),

@@ -5,6 +5,9 @@ In: counts, lengths, texts. Out: short texts.
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
+
 
 def counted(number: int, noun: str) -> str:
     """A number with its noun: 1 layer, 2 layers."""
@@ -27,3 +30,16 @@ def in_words_of_time(seconds: float) -> str:
     """In seconds up to two minutes, in minutes up to two hours, in hours beyond."""
     unit, size = ("s", 1.0) if seconds < 120.0 else ("min", 60.0) if seconds < 7200.0 else ("h", 3600.0)
     return f"{seconds / size:.4g} {unit}"
+
+
+def nearest_name(name: str, known: Iterable[str]) -> str | None:
+    """The one of the known names that a name is most likely meant to be, if any is near to it."""
+    near = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
+    return near[0] if near else None
+
+
+def mend_of_name(name: str, known: Iterable[str]) -> str:
+    """What to write instead of a name that is not known."""
+    known = list(known)
+    near = nearest_name(name, known)
+    return f"did you mean {near}?" if near is not None else f"known are {', '.join(known)}"

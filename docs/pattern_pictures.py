@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -43,26 +44,26 @@ def main() -> None:
     """Patterns on a tooth, blades and a full turn with a keyway, with the share that they leave bare."""
     tooth, blade, band = layer_of("helical_gear_tooth", 165.0), layer_of("propeller", 80.0), layer_of("keyed_band", 50.0)
     overlap = 2.0 * D - W
-    slanted = Hatch(angle=np.radians(30.0))
+    slanted = Hatch(angle_deg=math.degrees(np.radians(30.0)))
     pieces = [
         ("hatch, both ways", tooth, slanted),
-        ("zigzag", tooth, Zigzag(angle=np.radians(30.0))),
+        ("zigzag", tooth, Zigzag(angle_deg=math.degrees(np.radians(30.0)))),
         ("along the flanks", tooth, FlankFollowing()),
-        ("contour and hatch", tooth, PatternSequence(patterns=(Contours(count=1), slanted), overlap=overlap)),
-        ("contours", tooth, Contours(count=None)),
-        ("spiral", tooth, PatternSequence(patterns=(Spiral(), Skeleton()))),
-        ("contours and skeleton", tooth, PatternSequence(patterns=(Contours(count=None), Skeleton()))),
+        ("contour and hatch", tooth, PatternSequence(patterns=(Contours(count=1, skeleton=False), slanted), overlap=overlap)),
+        ("contours", tooth, Contours(skeleton=False)),
+        ("spiral", tooth, PatternSequence(patterns=(Spiral(skeleton=False), Skeleton()))),
+        ("contours and skeleton", tooth, PatternSequence(patterns=(Contours(skeleton=False), Skeleton()))),
         ("hatch", blade, slanted),
         ("skeleton", blade, Skeleton()),
-        ("contours", blade, Contours(count=None)),
-        ("contours and skeleton", blade, PatternSequence(patterns=(Contours(count=None), Skeleton()))),
+        ("contours", blade, Contours(skeleton=False)),
+        ("contours and skeleton", blade, PatternSequence(patterns=(Contours(skeleton=False), Skeleton()))),
         ("from flank to flank", blade, FlankFollowing()),
     ]
     turns = [
         ("rings", Rings()),
         ("helix with closing beads", Helix(closing_rings=True)),
         ("three left-handed helices", Helix(starts=3, left_handed=True)),
-        ("hatch round a full turn", Hatch(angle=np.radians(60.0))),
+        ("hatch round a full turn", Hatch(angle_deg=60.0)),
     ]
     page = Image.new("RGB", (WIDTH, HEAD + 3 * TALL + len(turns) * LOW), "white")
     words = [((MARGIN, 12), KEY, SIZE, DARK, "la")]

@@ -32,7 +32,9 @@ BEAM = np.array([1.0, 0.72, 0.2])
 def main() -> None:
     """The tooth up to a layer, that layer half laid under a nozzle; beside it the whole layer unrolled."""
     part = bs.read_step("fixtures/step/helical_gear_tooth.step")
-    process = bs.Process(layer_thickness=1.4, step_over=3.4, contours=1, hatch_angles_deg=(75.0, 15.0))
+    process = bs.Process(
+        layer_thickness=1.4, step_over=3.4, fill=bs.Fill(contours=1, pattern=bs.Automatic(angle_deg=(75.0, 15.0)))
+    )
     plan = bs.plan(part, process, layers=(LAYER, LAYER + 1))
     count = len(bs.plan(part, process).layers)
     half = replace(plan, toolpath=_until(plan.toolpath, 0.62))

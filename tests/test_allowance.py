@@ -17,7 +17,9 @@ CHORD = 0.01
 
 
 def planned(part, allowance, **more):
-    process = bs.Process(layer_thickness=1.0, step_over=3.0, chord=CHORD, allowance=allowance)
+    process = bs.Process(
+        layer_thickness=1.0, step_over=3.0, motion=bs.Motion(chord=CHORD), layers=bs.Layers(allowance=allowance)
+    )
     return bs.plan(part, process, **more)
 
 
@@ -114,4 +116,4 @@ def _flange_top(shaft):
 
 def test_a_negative_allowance_is_refused():
     with pytest.raises(bs.InputError, match="allowance"):
-        bs.Process(layer_thickness=1.0, step_over=3.0, allowance=-1.0)
+        bs.Process(layer_thickness=1.0, step_over=3.0, layers=bs.Layers(allowance=-1.0))

@@ -46,8 +46,8 @@ def planned(tmp_path_factory):
         0,
         "--angle",
         45,
-        "--step",
-        "--dxf",
+        "--write",
+        "+step,dxf",
     )
     assert done.returncode == 0, done.stderr
     return out, done
@@ -75,11 +75,11 @@ def test_lengths_and_times_are_said_in_units_of_their_size():
 
 def test_the_report_says_what_was_done(planned):
     report = json.loads((planned[0] / "report.json").read_text())
-    assert report["process"]["contours"] == 1
-    assert report["assumed"]["deposition_speed_mm_s"] == 9.0
-    assert "contours" not in report["assumed"]
+    assert report["process"]["fill"]["contours"] == 1
+    assert report["assumed"]["motion"]["deposition_speed_mm_s"] == 9.0
+    assert "contours" not in report["assumed"]["fill"]
     assert report["totals"]["powder_mass_g"] is None
-    assert report["process"]["laser_power_w"] is None
+    assert report["process"]["laser"]["power_w"] is None
     assert [la["layer"] for la in report["layers"]] == [0, 1, 2]
     assert {la["engine"] for la in report["layers"]} == {"analytic"}
     assert report["layers"][1]["hatch_angle_deg"] == pytest.approx([45.0])
@@ -97,7 +97,7 @@ def test_csv_json_and_the_toolpath_are_the_same(planned):
     assert {r["kind"] for r in rows} == {"deposit", "travel"}
     again = bs.plan(
         bs.read_step(TOOTH),
-        bs.Process(layer_thickness=1.4, step_over=3.4, contours=1, hatch_angles_deg=(0.0, 45.0)),
+        bs.Process(layer_thickness=1.4, step_over=3.4, fill=bs.Fill(contours=1, pattern=bs.Automatic(angle_deg=(0.0, 45.0)))),
         layers=(0, 3),
     )
     assert again.toolpath == path
@@ -157,6 +157,23 @@ BAD = {
     "usage": (["plan"], 2, "Missing argument"),
     "no such option": (["plan", TOOTH, "--thickness", 1], 2, "No such option: --thickness"),
     "a number in words": (["plan", TOOTH, "-t", "abc", "-d", 1], 2, "Invalid value for '-t'"),
+    "no such pattern": (
+        ["plan", TOOTH, "-t", 1, "-d", 1, "--pattern", "hutch"],
+        2,
+        "'hutch' is no pattern; did you mean hatch?",
+    ),
+    "no such parameter": (
+        ["plan", TOOTH, "-t", 1, "-d", 1, "--pattern", "helix:start=2"],
+        2,
+        "start is no parameter of pattern helix; did you mean starts?",
+    ),
+    "a parameter of another pattern": (
+        ["plan", TOOTH, "-t", 1, "-d", 1, "--pattern", "rings", "--angle", 3],
+        2,
+        "pattern rings",
+    ),
+    "a pattern's words": (["plan", TOOTH, "-t", 1, "-d", 1, "--pattern", "helix:starts"], 2, "as helix:starts=2"),
+    "no such writer": (["plan", TOOTH, "-t", 1, "-d", 1, "--write", "csv,dfx"], 2, "'dfx' is no writer; did you mean dxf?"),
     "no such command": (["slice"], 2, "No such command 'slice'"),
 }
 
@@ -345,34 +362,33 @@ def test_a_fallback_is_said(monkeypatch):
     assert layer.certificate.fallback == "made to fail"
 
 
-def test_the_help_has_an_example_groups_patterns_and_what_only_files_say():
-    from dataclasses import fields
+def test_the_help_has_an_example_groups_patterns_writers_and_every_parameter():
+    from brep_slicer.output.writers import WRITERS
+    from brep_slicer.process import GROUPS, PATTERNS
+    from brep_slicer.process.parameter import declarations_of, option_names
 
-    from brep_slicer.cli.help import PATTERN_LINES
-
-    env = os.environ | {"PYTHONPATH": str(ROOT), "COLUMNS": "120"}
+    env = os.environ | {"PYTHONPATH": str(ROOT), "COLUMNS": "250"}
     words = [sys.executable, "-m", "brep_slicer", "plan", "--help"]
     said = subprocess.run(words, capture_output=True, text=True, env=env).stdout
     assert "brep-slicer plan gear.step -t 1.4 -d 3.4" in said
-    for group in ("Layers", "Beads", "What is written", "Part: what is built, on what", "How it is computed"):
+    for group in ("What is written", "Part: what is built, on what", "How it is computed", "Patterns' parameters"):
         assert f"─ {group} ─" in said
-    for pattern in bs.InnerPattern:
-        assert PATTERN_LINES[pattern.value], "a new pattern: a line of help for it"
-        assert PATTERN_LINES[pattern.value] in said
-    # every parameter has an option, or is named as one that has none
-    only = said.split("Only in a file")[1].split("Arguments")[0].replace(",", " ").split()
-    given = (
-        "layer_thickness step_over bead_width inset contours pattern fit allowance order deposition_speed_mm_s chord last_layer"
-    )
-    given += " cut_at speed_follows_spacing hatch_angles_deg hatch_angle_step_deg both_ways"
-    for name in (f.name for f in fields(bs.Process)):
-        assert (name in only) != (name in given.split()), name
+    for group in GROUPS.values():
+        assert f"─ {group.title} ─" in said
+    for kind in (*PATTERNS.all().values(), *WRITERS.all().values()):
+        assert kind.help in said, kind
+    kinds = [bs.Process, *GROUPS.values(), *PATTERNS.all().values()]
+    declared = [(name, one) for kind in kinds for name, one in declarations_of(kind).items()]
+    assert len(declared) > 50
+    for name, one in declared:
+        assert all(option in said for names in option_names(name, one) for option in names.split("/")), name
+        assert one.help in " ".join(said.split()) or name == "pattern", name
 
 
 def test_the_example_of_the_help_works(tmp_path):
-    from brep_slicer.cli.help import PLAN_HELP
+    from brep_slicer.cli.help import plan_help
 
-    (line,) = [line.strip() for line in PLAN_HELP.splitlines() if line.strip().startswith("brep-slicer plan gear.step")]
+    (line,) = [line.strip() for line in plan_help().splitlines() if line.strip().startswith("brep-slicer plan gear.step")]
     words = [str(TOOTH) if word == "gear.step" else word for word in line.split()[1:]]
     done = run(*words, "--layers", "0:2", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -407,7 +423,7 @@ def test_long_tables_are_cut_in_the_middle():
 
 def test_the_catchment_is_said_where_it_is_known(tmp_path):
     path = tmp_path / "process.toml"
-    path.write_text("layer_thickness = 1.4\nstep_over = 3.4\npowder_density_g_cm3 = 7.99\npowder_feed_g_s = 0.4\n")
+    path.write_text("layer_thickness = 1.4\nstep_over = 3.4\n[powder]\ndensity_g_cm3 = 7.99\nfeed_g_s = 0.4\n")
     done = run("plan", TOOTH, "--process", path, "--layers", "0:1", "-o", tmp_path / "out")
     # eta = t d speed density / feed
     assert f"catchment {100 * 1.4 * 3.4 * 9.0 * 7.99e-3 / 0.4:.3g} %" in done.stdout

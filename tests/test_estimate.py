@@ -19,8 +19,8 @@ SMALL = Estimate(layers=3, beads=51, points=577, length=1407.0, seconds=4.0, fil
 LARGE = Estimate(layers=900, beads=10**7, points=10**8, length=1e9, seconds=6000.0, file_mb=4e4, memory_mb=1e5)
 
 
-def sections(name, t, d, layers=None, **given):
-    return cut_layers(FIXTURES / f"{name}.step", bs.Process(layer_thickness=t, step_over=d, **given), axis="Z", layers=layers)
+def sections(name, t, d, layers=None, **fill):
+    return cut_layers(FIXTURES / f"{name}.step", bs.Process(layer_thickness=t, step_over=d, fill=fill), axis="Z", layers=layers)
 
 
 @pytest.mark.parametrize(
@@ -34,7 +34,7 @@ def sections(name, t, d, layers=None, **given):
     ],
 )
 def test_a_hatched_part_takes_about_what_is_said(name, t, d, layers):
-    cut = sections(name, t, d, layers, pattern="hatch", hatch_angles_deg=30)
+    cut = sections(name, t, d, layers, pattern=bs.Hatch(angle_deg=30))
     said, made = estimate_of(cut), fill_layers(cut)
     assert said.layers == len(made.layers)
     laid = made.toolpath.segment_lengths()[made.toolpath.deposits].sum()

@@ -13,6 +13,7 @@ import brep_slicer as bs
 from brep_slicer.fill import BeadKind, fill_layer
 from brep_slicer.fill.distance import Outline
 from brep_slicer.planning import motion_of
+from brep_slicer.process import PATTERNS
 from brep_slicer.toolpath import DepositLayer, lift_layers, obstacles_of
 
 from .conftest import FIXTURES, REAL
@@ -46,7 +47,9 @@ def layers_of(name: str):
     path, substrate, t, d, numbers = PARTS[name]
     if not Path(path).exists():
         pytest.skip(f"{path} is not here")
-    process = bs.Process(layer_thickness=t, step_over=d, hatch_angles_deg=28.0, chord=CHORD)
+    process = bs.Process(
+        layer_thickness=t, step_over=d, motion=bs.Motion(chord=CHORD), fill=bs.Fill(pattern=bs.Automatic(angle_deg=28.0))
+    )
     part = bs.read_step(path)
     axis = bs.find_axis(part) if REAL in Path(path).parents else bs.axis_from_text("Z")
     plan = bs.plan(part, process, axis=axis, substrate=substrate)
@@ -55,10 +58,10 @@ def layers_of(name: str):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("pattern", list(bs.InnerPattern), ids=lambda p: p.value)
+@pytest.mark.parametrize("pattern", PATTERNS.own())
 @pytest.mark.parametrize("name", PARTS)
 def test_every_pattern(name, pattern):
-    _check(name, pattern=pattern)
+    _check(name, pattern={"name": pattern, **({"angle_deg": 28.0} if pattern in ("auto", "hatch", "zigzag") else {})})
 
 
 @pytest.mark.slow
@@ -69,10 +72,10 @@ def test_contours_and_hatch(name):
 
 def _check(name, **changes):
     process, axis, layers = layers_of(name)
-    process = process.updated(**changes)
+    process = process.updated(fill=changes)
     for layer in layers:
         fill = fill_layer(layer, process)
-        inset, said = process.value("inset"), " ".join(map(str, fill.notes))
+        inset, said = process.inset, " ".join(map(str, fill.notes))
         for index, piece in enumerate(layer.region.pieces):
             mine = [bead for bead in fill.beads if bead.piece == index]
             # no piece is missing without a word

@@ -12,7 +12,7 @@ import pytest
 PACKAGE = Path(__file__).resolve().parent.parent / "brep_slicer"
 # in the order of the flow; what stands in one row may not import from a later row
 FLOW = [
-    {"errors", "groups", "maps", "notices", "version", "wording"},
+    {"errors", "extensions", "groups", "maps", "notices", "version", "wording"},
     {"layers"},
     {"curves", "geometry"},
     {"kernel"},

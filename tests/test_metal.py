@@ -12,6 +12,7 @@ from brep_slicer.fill import BeadKind, Contours, Hatch, Skeleton, fill_layer, me
 from brep_slicer.fill.strips import strip_areas
 from brep_slicer.layers import cylinder
 from brep_slicer.notices import NoticeKind
+from brep_slicer.process import PATTERNS
 from brep_slicer.proof import coverage_of, deposit_of, evenness_of
 from brep_slicer.proof.equals import shares_of
 from fixtures import bodies
@@ -21,7 +22,7 @@ from .test_fill import D, R, W, rectangle
 from .test_proof import polygon
 
 T = 1.4
-PROCESS = bs.Process(layer_thickness=T, step_over=D, bead_width=W)
+PROCESS = bs.Process(layer_thickness=T, step_over=D, fill=bs.Fill(bead_width=W))
 
 
 def layer_of(region):
@@ -57,7 +58,7 @@ def test_strips_of_a_disc_in_closed_form(angle):
 @pytest.mark.parametrize("size", [(1.9, 40.0), (8.0, 40.0), (15.0, 15.0), (23.0, 61.0)])
 def test_a_rectangle_gets_its_metal_by_default(size, angle_deg):
     region = polygon((0, 0), (size[0], 0), size, (0, size[1]))
-    fill = fill_layer(layer_of(region), PROCESS.updated(hatch_angles_deg=angle_deg))
+    fill = fill_layer(layer_of(region), PROCESS.updated(fill={"pattern": bs.Automatic(angle_deg=angle_deg)}))
     # what lies inside counts; of a section half a width u W from its middle (3 u - u**3) / 2 does
     u = min(1.0, size[0] / W)
     within, whole = metal_inside(region, fill.beads), metal_of(fill.beads, step_over=D, width=W).sum()
@@ -100,7 +101,10 @@ def test_a_strip_hardly_narrower_than_a_bead_is_not_told_of():
 
 
 def test_what_beads_cannot_hold_at_their_fastest_is_told_of():
-    fill = fill_layer(layer_of(polygon((0, 0), (8.0, 0), (8.0, 8.0), (0, 8.0))), PROCESS.updated(fastest=1.0, fit="on"))
+    fill = fill_layer(
+        layer_of(polygon((0, 0), (8.0, 0), (8.0, 8.0), (0, 8.0))),
+        PROCESS.updated(fill={"fastest": 1.0, "outline_position": "on"}),
+    )
     (said,) = [n for n in fill.notes if n.kind is NoticeKind.PIECE_METAL]
     assert fill.metal[0] > 1.02
     assert "fastest" in str(said)
@@ -120,7 +124,9 @@ def test_the_bookkeeping_is_that_of_the_simulation(shape, pattern, fit):
         ),
     }
     region = regions[shape]()
-    fill = fill_layer(layer_of(region), PROCESS.updated(pattern=pattern, fit=fit, hatch_angles_deg=20.0, balance=False))
+    turned = {"angle_deg": 20.0} if pattern in ("hatch", "zigzag") else {}
+    changes = {"pattern": {"name": pattern, **turned}, "outline_position": fit, "balance": False}
+    fill = fill_layer(layer_of(region), PROCESS.updated(fill=changes))
     assert fill.metal[0] == pytest.approx(metal_inside(region, fill.beads) / region.area, abs=0.01)
 
 
@@ -184,7 +190,11 @@ def test_corners_that_round_beads_do_not_reach_are_told_of_where_they_count(wide
     else:
         assert bare < 0.03
     # bead centres on the outline reach into them
-    assert not [n for n in fill_layer(layer_of(region), PROCESS.updated(fit="on")).notes if n.kind is NoticeKind.BARE]
+    assert not [
+        n
+        for n in fill_layer(layer_of(region), PROCESS.updated(fill={"outline_position": "on"})).notes
+        if n.kind is NoticeKind.BARE
+    ]
 
 
 def test_the_last_layer_of_a_cam_is_told_of(fixture_step):
@@ -212,7 +222,7 @@ def test_narrow_vanes_on_a_band_get_beads_of_their_own(thickness, vanes):
         # rings between the vanes, up to half a bead from the band's edge, and nothing bare there
         assert coverage_of(layer.region, fill.beads, process.width).bare_share < 0.005
     # a hatch alone leaves them bare, and that is told of
-    bare = bs.plan(part, process.updated(pattern="hatch"), axis="Z", substrate=30.0)
+    bare = bs.plan(part, process.updated(fill={"pattern": "hatch"}), axis="Z", substrate=30.0)
     said = [n for n in bare.notices if n.kind is NoticeKind.NARROW]
     assert [(n.layers, n.pieces) for n in said] == [(tuple(layer.index for layer in made.layers), (0,))]
     assert f"{vanes} parts of it narrower than a bead get none" in str(said[0])
@@ -262,7 +272,9 @@ PILES = {
 @pytest.mark.parametrize("angle_deg", [0.0, 20.0, 31.0, 90.0])
 @pytest.mark.parametrize("name", PILES)
 def test_contours_and_hatch_do_not_pile_up(name, angle_deg, contours, fixture_step):
-    process = bs.Process(layer_thickness=2.0, step_over=3.0, contours=contours, pattern="hatch", hatch_angles_deg=angle_deg)
+    process = bs.Process(
+        layer_thickness=2.0, step_over=3.0, fill=bs.Fill(contours=contours, pattern=bs.Hatch(angle_deg=angle_deg))
+    )
     substrate, number = PILES[name]
     part = bs.read_step(fixture_step(name))
     made = bs.plan(part, process, axis="Z", substrate=substrate, layers=(number, number + 1))
@@ -274,7 +286,7 @@ def test_contours_and_hatch_do_not_pile_up(name, angle_deg, contours, fixture_st
     even = evenness_of(layer.region, fill.beads, width=process.width, thickness=2.0, step_over=3.0, tolerance=0.02)
     assert even.peak <= 1.75 * 2.0
     # and nothing is bare that was not bare when they did
-    near = fill_layer(layer, process.updated(overlap=2.0 * 3.0 - process.width))
+    near = fill_layer(layer, process.updated(fill={"overlap": 2.0 * 3.0 - process.width}))
     before, after = (coverage_of(layer.region, f.beads, process.width).bare_share for f in (near, fill))
     assert after <= before + 1e-3
 
@@ -306,29 +318,33 @@ def test_lines_beside_a_contour_leave_nothing_bare_and_hold_what_is_theirs(slant
 
 def test_a_line_without_room_between_two_contours_is_left_out_only_if_nothing_is_bare_without():
     strip = polygon((0, 0), (W + 2.0 * D - 0.6, 0), (W + 2.0 * D - 0.6, 40), (0, 40))
-    process = PROCESS.updated(contours=1, pattern="hatch")
     for angle_deg in (0.0, 35.0, 90.0):
-        fill = fill_layer(layer_of(strip), process.updated(hatch_angles_deg=angle_deg))
-        near = fill_layer(layer_of(strip), process.updated(hatch_angles_deg=angle_deg, overlap=2.0 * D - W))
+        process = PROCESS.updated(fill={"contours": 1, "pattern": bs.Hatch(angle_deg=angle_deg)})
+        fill = fill_layer(layer_of(strip), process)
+        near = fill_layer(layer_of(strip), process.updated(fill={"overlap": 2.0 * D - W}))
         # the piece's own corners stay bare, outside of the contour
         before, after = (coverage_of(strip, f.beads, W).bare_share for f in (near, fill))
         assert after <= before + 1e-3
         assert fill.metal[0] == pytest.approx(1.0, abs=0.02)
 
 
-@pytest.mark.parametrize("chosen", [Hatch(angle=0.3), Skeleton(), Contours(count=2)], ids=lambda p: type(p).__name__)
+@pytest.mark.parametrize(
+    "chosen",
+    [Hatch(angle_deg=math.degrees(0.3)), Skeleton(), Contours(count=2, skeleton=False)],
+    ids=lambda p: type(p).__name__,
+)
 def test_a_pattern_that_is_chosen_keeps_the_contours(chosen):
     region = polygon((0, 0), (25, 0), (25, 40), (0, 40))
-    fill = fill_layer(layer_of(region), PROCESS.updated(contours=1), lambda layer, piece: chosen)
+    fill = fill_layer(layer_of(region), PROCESS.updated(fill={"contours": 1}), lambda layer, piece: chosen)
     outermost = [b for b in fill.beads if b.kind is BeadKind.CONTOUR and b.points[:, 0].min() < 0.5 * W + 0.1]
     assert len(outermost) == 1
-    none = fill_layer(layer_of(region), PROCESS, lambda layer, piece: Hatch(angle=0.3))
+    none = fill_layer(layer_of(region), PROCESS, lambda layer, piece: Hatch(angle_deg=math.degrees(0.3)))
     assert not [b for b in none.beads if b.kind is BeadKind.CONTOUR]
 
 
 def test_without_balance_all_beads_are_laid_at_one_speed_and_what_is_missing_is_told_of():
     region = polygon((0, 0), (15, 0), (15, 40), (0, 40))
-    fill = fill_layer(layer_of(region), PROCESS.updated(balance=False, pattern="hatch"))
+    fill = fill_layer(layer_of(region), PROCESS.updated(fill={"balance": False, "pattern": "hatch"}))
     assert all(b.speed is None for b in fill.beads)
     assert fill.metal[0] == pytest.approx(metal_of(fill.beads, step_over=D, width=W).sum() / region.area, rel=1e-9)
     assert fill.metal[0] < 0.98
@@ -361,7 +377,7 @@ def at(region_or_points, kappa):
     return [(x + kappa, y) for x, y in region_or_points]
 
 
-@pytest.mark.parametrize("pattern", [p for p in bs.InnerPattern if p.value not in ("rings", "helix")])
+@pytest.mark.parametrize("pattern", [name for name in PATTERNS.own() if name not in ("rings", "helix")])
 def test_equal_pieces_get_equal_beads_and_others_their_own(pattern):
     from brep_slicer.fill.copies import copies_of
     from brep_slicer.region import Region
@@ -373,7 +389,7 @@ def test_equal_pieces_get_equal_beads_and_others_their_own(pattern):
     )
     assert copies_of(pieces).first == (0, 1, 0, 0)
     region = Region(sheet=cylinder(R), pieces=pieces)
-    fill = fill_layer(layer_of(region), PROCESS.updated(pattern=pattern, order="pattern"))
+    fill = fill_layer(layer_of(region), PROCESS.updated(fill={"pattern": pattern, "order": "pattern"}))
     mine = [[b for b in fill.beads if b.piece == i] for i in range(4)]
     for number, shift in ((2, 60.3), (3, 94.0)):
         assert len(mine[number]) == len(mine[0]) > 0
@@ -383,7 +399,7 @@ def test_equal_pieces_get_equal_beads_and_others_their_own(pattern):
     # each as it would be alone
     for number, piece in enumerate(pieces[:2]):
         alone = fill_layer(
-            layer_of(Region(sheet=cylinder(R), pieces=(piece,))), PROCESS.updated(pattern=pattern, order="pattern")
+            layer_of(Region(sheet=cylinder(R), pieces=(piece,))), PROCESS.updated(fill={"pattern": pattern, "order": "pattern"})
         )
         assert fill.metal[number] == pytest.approx(alone.metal[0], abs=1e-9)
         for one, other in zip(alone.beads, mine[number], strict=True):
@@ -393,16 +409,15 @@ def test_equal_pieces_get_equal_beads_and_others_their_own(pattern):
 def test_a_pattern_that_knows_where_it_is_fills_each_piece_by_itself():
     from dataclasses import dataclass
 
-    from brep_slicer.fill import Bead, Pattern
-    from brep_slicer.fill.pattern import CellFill
+    from brep_slicer.fill import AreaFill, Bead, Pattern
     from brep_slicer.region import Region
 
     @dataclass(frozen=True)
     class Across(Pattern):
-        def fill(self, cell):
-            low, v0, high, v1 = cell.piece.bounds()
+        def fill(self, area):
+            low, v0, high, v1 = area.piece.bounds()
             kappa = max(low, min(high, 10.0 * math.ceil(low / 10.0)))
-            return CellFill(beads=(Bead(points=[(kappa, v0), (kappa, v1)], kind=BeadKind.HATCH, piece=cell.index),), inset=0.0)
+            return AreaFill(beads=(Bead(points=[(kappa, v0), (kappa, v1)], kind=BeadKind.HATCH, piece=area.index),))
 
     square = [(0.0, 0.0), (15.0, 0.0), (15.0, 15.0), (0.0, 15.0)]
     region = Region(sheet=cylinder(R), pieces=tuple(polygon(*at(square, k)).pieces[0] for k in (1.0, 26.0)))

@@ -157,7 +157,7 @@ def turned(*profile):
 
 def on_air(shape, t=1.4, **given):
     """{layer: (over air, beyond)} of the notices, one for each layer, and their sentence."""
-    process = bs.Process(layer_thickness=t, step_over=3.4, bead_width=2.0 * REACH)
+    process = bs.Process(layer_thickness=t, step_over=3.4, fill=bs.Fill(bead_width=2.0 * REACH))
     sections = cut_layers(shape, process, axis="Z", **given)
     said = [n for n in sections.notices if n.kind is NoticeKind.ON_AIR]
     assert len(said) <= 1

@@ -14,6 +14,7 @@ from brep_slicer.curves import LineCurve, Loop
 from brep_slicer.fill import Contours, FlankFollowing, Hatch, Helix, PatternSequence, Rings, Zigzag, fill_region, in_cool_order
 from brep_slicer.fill.distance import Outline
 from brep_slicer.layers import cylinder
+from brep_slicer.process import PATTERNS as NAMED
 from brep_slicer.proof import summary_of_proof
 from brep_slicer.region import region_from_loops
 
@@ -21,13 +22,13 @@ from .test_fill import ARGS, REGIONS, TURN, D, R, W, along, band, box, rectangle
 
 Z = bs.axis_from_text("Z")
 PATTERNS = {
-    "hatch": Hatch(angle=0.4),
-    "zigzag": Zigzag(angle=0.4),
+    "hatch": Hatch(angle_deg=math.degrees(0.4)),
+    "zigzag": Zigzag(angle_deg=math.degrees(0.4)),
     "rings": Rings(),
     "helix": Helix(),
     "three left-handed helices": Helix(starts=3, left_handed=True),
     "flank": FlankFollowing(),
-    "contours and zigzag": PatternSequence(patterns=(Contours(count=1), Zigzag(angle=1.0))),
+    "contours and zigzag": PatternSequence(patterns=(Contours(count=1, skeleton=False), Zigzag(angle_deg=math.degrees(1.0)))),
 }
 
 
@@ -49,7 +50,7 @@ def test_every_bead_keeps_its_inset_and_no_piece_is_lost(pattern, make):
 
 
 def test_a_zigzag_is_one_bead_in_a_convex_piece():
-    hatch, zigzag = (fill_region(box(), p, **ARGS) for p in (Hatch(angle=0.0), Zigzag(angle=0.0)))
+    hatch, zigzag = (fill_region(box(), p, **ARGS) for p in (Hatch(angle_deg=0.0), Zigzag(angle_deg=0.0)))
     assert len(zigzag.beads) == 1
     lines = sum(b.length() for b in hatch.beads)
     assert zigzag.beads[0].length() == pytest.approx(lines + (len(hatch.beads) - 1) * D, rel=1e-9)
@@ -95,7 +96,7 @@ def test_a_keyway_interrupts_a_helix_and_nothing_else_does():
 @settings(max_examples=20, deadline=None)
 def test_a_helix_begins_where_it_is_told(theta, starts, left_handed):
     region = plain_band(40.0)
-    fill = fill_region(region, Helix(starts=starts, left_handed=left_handed, start=theta), **ARGS)
+    fill = fill_region(region, Helix(starts=starts, left_handed=left_handed, start_angle_deg=math.degrees(theta)), **ARGS)
     assert len(fill.beads) == starts
     ends = np.array([b.points[[0, -1]] for b in fill.beads]).reshape(-1, 2)
     low = ends[ends[:, 1] < ends[:, 1].min() + 1e-6]
@@ -116,7 +117,7 @@ def test_flank_following_on_the_helical_tooth(fixture_step):
     # dkappa/dv = 2 pi r / p_z at each layer
     gears = pytest.importorskip("fixtures.gears")
     part = bs.read_step(fixture_step("helical_gear_tooth"))
-    process = bs.Process(layer_thickness=1.4, step_over=3.4, pattern=bs.InnerPattern.FLANK)
+    process = bs.Process(layer_thickness=1.4, step_over=3.4, fill=bs.Fill(pattern="flank"))
     plan = bs.plan(part, process)
     for layer, fill in zip(plan.layers, plan.fills, strict=True):
         expected = math.atan2(1.0, 2.0 * math.pi * layer.radius / gears.HELICAL_TOOTH.lead)
@@ -131,8 +132,8 @@ def test_patterns_from_the_command(fixture_step, tmp_path):
     from brep_slicer.cli import app
 
     words = ["plan", str(fixture_step("keyed_band")), "-t", "2", "-d", "3", "--layers", "0:1", "-o", str(tmp_path)]
-    for pattern in bs.InnerPattern:
-        done = CliRunner().invoke(app, [*words, "--pattern", pattern.value, "--fit", "on", "--order", "shortest"])
+    for pattern in NAMED.own():
+        done = CliRunner().invoke(app, [*words, "--pattern", pattern, "--outline-position", "on", "--order", "shortest"])
         assert done.exit_code == 0, done.output
 
 
@@ -144,7 +145,7 @@ def test_proof_from_the_command(fixture_step, tmp_path):
     from brep_slicer.cli import app
 
     words = ["plan", str(fixture_step("helical_gear_tooth")), "-t", "1.4", "-d", "3.4", "--layers", "0:2", "-o", str(tmp_path)]
-    done = CliRunner().invoke(app, [*words, "--pattern", "flank", "--fit", "on", "--even-height", "--proof"])
+    done = CliRunner().invoke(app, [*words, "--pattern", "flank", "--outline-position", "on", "--adaptive-speed", "--proof"])
     assert done.exit_code == 0, done.output
     report = json.loads((tmp_path / "report.json").read_text())
     assert len(report["proof"]) == 2
@@ -161,7 +162,9 @@ def test_proof_from_the_command(fixture_step, tmp_path):
 
 
 def test_the_proof_tells_the_spacings_of_a_hatch_from_those_at_its_contour(fixture_step, tmp_path):
-    process = bs.Process(layer_thickness=1.4, step_over=3.4, contours=1, pattern="hatch", hatch_angles_deg=math.degrees(0.5))
+    process = bs.Process(
+        layer_thickness=1.4, step_over=3.4, fill=bs.Fill(contours=1, pattern=bs.Hatch(angle_deg=math.degrees(0.5)))
+    )
     plan = bs.plan(bs.read_step(fixture_step("helical_gear_tooth")), process, layers=(0, 1))
     (row,) = plan.proof()
     measured = row["step_over_measured_mm"]
@@ -225,9 +228,9 @@ def test_the_proof_begins_with_its_verdict(row, verdict):
 
 def test_each_tooth_is_built_whole_before_the_next(fixture_step):
     part = bs.read_step(fixture_step("propeller"))
-    process = bs.Process(layer_thickness=8.0, step_over=3.4, by_feature=True)
+    process = bs.Process(layer_thickness=8.0, step_over=3.4, fill=bs.Fill(by_feature=True))
     plan = bs.plan(part, process)
-    layer_by_layer = bs.plan(part, process.updated(by_feature=False))
+    layer_by_layer = bs.plan(part, process.updated(fill={"by_feature": False}))
     # three blades: the layers rise three times
     path = plan.toolpath
     assert (np.diff(path.layer) < 0).sum() == 2
@@ -243,17 +246,17 @@ def test_each_tooth_is_built_whole_before_the_next(fixture_step):
 
 
 def test_a_stretched_hatch_fills_the_width():
-    loose, exact = (fill_region(box(), Hatch(angle=0.5 * math.pi, stretch=s), **ARGS) for s in (0.0, 0.2))
+    loose, exact = (fill_region(box(), Hatch(angle_deg=90.0, stretch=s), **ARGS) for s in (0.0, 0.2))
     free = 25.0 - W
     for fill, outermost in ((loose, free - math.floor(free / D) * D), (exact, 0.0)):
         kappa = np.sort([b.points[0, 0] for b in fill.beads])
         assert kappa[0] + 10.0 - 0.5 * W == pytest.approx(0.5 * outermost, abs=0.02)
     assert exact.step_over[0] == pytest.approx(free / round(free / D), rel=2e-3)
-    assert fill_region(box(), Hatch(angle=0.5 * math.pi, stretch=0.001), **ARGS).step_over == (D,)
+    assert fill_region(box(), Hatch(angle_deg=90.0, stretch=0.001), **ARGS).step_over == (D,)
 
 
 def test_alternate_layers_run_backwards_and_contours_come_every_so_many(fixture_step):
-    process = bs.Process(layer_thickness=1.4, step_over=3.4, alternate=True, contours=1, contours_every=3)
+    process = bs.Process(layer_thickness=1.4, step_over=3.4, fill=bs.Fill(alternate=True, contours=1, contours_every=3))
     plan = bs.plan(bs.read_step(fixture_step("spur_gear_tooth")), process, layers=(0, 6))
     kinds = [{b.kind.value for b in fill.beads} for fill in plan.fills]
     assert ["contour" in k for k in kinds] == [True, False, False, True, False, False]
@@ -262,10 +265,11 @@ def test_alternate_layers_run_backwards_and_contours_come_every_so_many(fixture_
 
 
 def test_closed_beads_start_elsewhere_and_overlap_themselves(fixture_step):
-    process = bs.Process(layer_thickness=1.4, step_over=3.4, contours=1, spread_starts=True, closing_overlap=4.0)
+    process = bs.Process(layer_thickness=1.4, step_over=3.4, fill=bs.Fill(contours=1, spread_starts=True, closing_overlap=4.0))
     part = bs.read_step(fixture_step("spur_gear_tooth"))
     plain, made = (
-        bs.plan(part, p, layers=(0, 4)) for p in (process.updated(spread_starts=False, closing_overlap=0.0), process)
+        bs.plan(part, p, layers=(0, 4))
+        for p in (process.updated(fill={"spread_starts": False, "closing_overlap": 0.0}), process)
     )
     starts = []
     for before, after in zip(plain.fills, made.fills, strict=True):
@@ -275,7 +279,7 @@ def test_closed_beads_start_elsewhere_and_overlap_themselves(fixture_step):
 
 
 def test_no_bead_is_laid_beside_a_hot_one():
-    beads = fill_region(rows(12), Hatch(angle=0.5 * math.pi, both_ways=False), **ARGS).beads
+    beads = fill_region(rows(12), Hatch(angle_deg=90.0, both_ways=False), **ARGS).beads
     plain = in_cool_order(beads, step_over=D, rest=0.0, speed=9.0, travel_speed=50.0)
     cool = in_cool_order(beads, step_over=D, rest=8.0, speed=9.0, travel_speed=50.0)
     assert plain.shortest_rest < 1.0
@@ -297,7 +301,7 @@ def test_a_pattern_for_each_layer_and_piece(fixture_step):
 
     def choose(layer, piece):
         asked.append((layer, round(piece.bounds()[0], 3)))
-        return Zigzag() if piece.bounds()[0] > 0.0 else Contours(count=1)
+        return Zigzag() if piece.bounds()[0] > 0.0 else Contours(count=1, skeleton=False)
 
     plan = bs.plan(part, process, pattern=choose, layers=(1, 3))
     assert len(asked) == 6
@@ -306,7 +310,7 @@ def test_a_pattern_for_each_layer_and_piece(fixture_step):
 
 def test_rings_are_stretched_to_fill_a_band():
     height = W + 7.3 * D
-    fill = fill_region(plain_band(height), Hatch(angle=0.0, stretch=0.2), **ARGS)
+    fill = fill_region(plain_band(height), Hatch(angle_deg=0.0, stretch=0.2), **ARGS)
     heights = np.sort([b.points[0, 1] for b in fill.beads])
     # seven spacings of 7.3 / 7 d, from half a bead above the lower edge to half a bead below the upper one
     assert np.diff(heights) == pytest.approx(np.full(7, 7.3 / 7.0 * D), rel=1e-3)

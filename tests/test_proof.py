@@ -37,9 +37,10 @@ Z = bs.axis_from_text("Z")
 ON = {**ARGS, "inset": 0.0}
 T = 1.4
 CONTOURS_AND_HATCH = [
-    PatternSequence(patterns=(Contours(count=1), Hatch(angle=math.radians(a))), overlap=2.0 * D - W) for a in range(0, 180, 15)
+    PatternSequence(patterns=(Contours(count=1, skeleton=False), Hatch(angle_deg=a)), overlap=2.0 * D - W)
+    for a in range(0, 180, 15)
 ]
-CONTOURS_AND_SKELETON = PatternSequence(patterns=(Contours(count=None), Skeleton()))
+CONTOURS_AND_SKELETON = PatternSequence(patterns=(Contours(skeleton=False), Skeleton()))
 
 
 def polygon(*corners):
@@ -48,7 +49,7 @@ def polygon(*corners):
 
 
 def test_coverage_of_one_bead_in_closed_form():
-    (bead,) = fill_region(polygon((0, 0), (W, 0), (W, 30), (0, 30)), Hatch(angle=0.5 * math.pi), **ARGS).beads
+    (bead,) = fill_region(polygon((0, 0), (W, 0), (W, 30), (0, 30)), Hatch(angle_deg=90.0), **ARGS).beads
     found = coverage_of(box_around(), [bead], W)
     strip = bead.length() * W + math.pi * W**2 / 4.0
     assert found.once == pytest.approx(strip, rel=1e-3)
@@ -63,7 +64,7 @@ def box_around():
 def test_two_beads_overlap_by_what_their_spacing_leaves():
     width = 3.0 * D + 0.02
     region = polygon((0, 0), (width, 0), (width, 200), (0, 200))
-    beads = fill_region(region, Hatch(angle=0.5 * math.pi), **ON).beads
+    beads = fill_region(region, Hatch(angle_deg=90.0), **ON).beads
     found = coverage_of(region, beads, W)
     assert len(beads) == 4
     assert found.bare_share < 1e-4
@@ -82,7 +83,7 @@ def test_a_full_turn_of_rings_deposits_t_everywhere_across_the_seam():
 
 
 def test_the_metal_of_a_bead_is_t_d_per_length():
-    (bead,) = fill_region(polygon((0, 0), (W, 0), (W, 60), (0, 60)), Hatch(angle=0.5 * math.pi), **ARGS).beads
+    (bead,) = fill_region(polygon((0, 0), (W, 0), (W, 60), (0, 60)), Hatch(angle_deg=90.0), **ARGS).beads
     made = deposit_of(box_around(), [bead], width=W, thickness=T, step_over=D)
     cell = made.kappa[1] - made.kappa[0]
     ends = 3.0 * math.pi / 32.0 * W * 2.0
@@ -93,7 +94,7 @@ def test_the_metal_of_a_bead_is_t_d_per_length():
 def test_a_square_contour_lays_its_own_metal_and_all_its_corners_are_alike(start):
     side = 12.0 * W
     region = polygon((0, 0), (side, 0), (side, side), (0, side))
-    (ring,) = fill_region(region, Contours(count=1), **ARGS).beads
+    (ring,) = fill_region(region, Contours(count=1, skeleton=False), **ARGS).beads
     corners = np.roll(ring.points[:-1], start, axis=0)
     bead = replace(ring, points=np.concatenate([corners, corners[:1]]))
     made = deposit_of(region, [bead], width=W, thickness=T, step_over=D)
@@ -124,7 +125,7 @@ def test_the_peak_of_one_bead_in_closed_form(amount):
 
 def test_a_proof_says_its_peak_and_warns_of_a_high_one(fixture_step):
     part = bs.read_step(fixture_step("spur_gear_tooth"))
-    process = bs.Process(layer_thickness=4.0, step_over=D, contours=1, pattern="hatch")
+    process = bs.Process(layer_thickness=4.0, step_over=D, fill=bs.Fill(contours=1, pattern="hatch"))
     made = bs.plan(part, process, layers="0:2")
     rows = made.proof()
     assert not made.proof_notices
@@ -134,7 +135,7 @@ def test_a_proof_says_its_peak_and_warns_of_a_high_one(fixture_step):
         assert k0 <= row["peak_at"]["kappa_mm"] <= k1
         assert v0 <= row["peak_at"]["v_mm"] <= v1
     # hatch lines that end on the contour's own centre line
-    piled = bs.plan(part, process.updated(overlap=D, balance=False), layers="0:2")
+    piled = bs.plan(part, process.updated(fill={"overlap": D, "balance": False}), layers="0:2")
     assert not piled.proof_notices
     piled.proof()
     (said,) = piled.proof_notices
@@ -148,7 +149,7 @@ def test_a_proof_says_its_peak_and_warns_of_a_high_one(fixture_step):
 def test_a_line_that_turns_back_beside_itself_lays_its_own_metal():
     from brep_slicer.fill import Zigzag
 
-    (bead,) = fill_region(box(), Zigzag(angle=0.3), **ARGS).beads
+    (bead,) = fill_region(box(), Zigzag(angle_deg=math.degrees(0.3)), **ARGS).beads
     slow = replace(bead, speed=np.linspace(0.5, 2.0, len(bead.points)))
     # as the toolpath lays it: each segment at the mean of the speeds at its ends, and so its round end
     steps, metal = np.hypot(*np.diff(bead.points, axis=0).T), 2.0 / (slow.speed[1:] + slow.speed[:-1])
@@ -173,7 +174,7 @@ def test_contours_and_hatch_leave_nothing_bare_on_a_tooth_at_any_angle(name, rad
 def test_contours_and_skeleton_leave_nothing_bare_on_a_blade_down_to_the_tip(fixture_step):
     layers = bs.slice_part(bs.read_step(fixture_step("propeller")), [60.0, 80.0, 100.0, 118.0, 140.0, 149.9], axis=Z)
     bare = {}
-    for name, pattern in {"both": CONTOURS_AND_SKELETON, "contours": Contours(count=None), "hatch": Hatch()}.items():
+    for name, pattern in {"both": CONTOURS_AND_SKELETON, "contours": Contours(skeleton=False), "hatch": Hatch()}.items():
         fills = [fill_region(layer.region, pattern, **ON) for layer in layers]
         bare[name] = max(coverage_of(la.region, f.beads, W).bare_share for la, f in zip(layers, fills, strict=True))
     assert bare["both"] <= 0.005
@@ -219,7 +220,7 @@ def test_where_beads_would_be_squeezed_some_end():
 @pytest.mark.parametrize("angle", [0.0, 17.0, 60.0, 90.0])
 def test_step_over_is_measured_on_the_emitted_points_across_the_seam(angle, fixture_step):
     part = bs.read_step(fixture_step("keyed_band"))
-    process = bs.Process(layer_thickness=2.0, step_over=D, bead_width=W, hatch_angles_deg=angle)
+    process = bs.Process(layer_thickness=2.0, step_over=D, fill=bs.Fill(bead_width=W, pattern=bs.Automatic(angle_deg=angle)))
     plan = bs.plan(part, process, axis=Z, substrate=45.0, layers=(0, 1))
     used = plan.fills[0].step_over[0]
     found = step_over_of(plan.toolpath, plan.axis, 0).spacings
@@ -229,10 +230,10 @@ def test_step_over_is_measured_on_the_emitted_points_across_the_seam(angle, fixt
 
 
 def test_a_spiral_is_one_bead_with_turns_a_step_over_apart():
-    fill = fill_region(box(), Spiral(), **ON)
+    fill = fill_region(box(), Spiral(skeleton=False), **ON)
     (bead,) = fill.beads
     assert bead.kind.value == "spiral"
-    rings = fill_region(box(), Contours(count=None), **ON).beads
+    rings = fill_region(box(), Contours(skeleton=False), **ON).beads
     # the outermost and innermost rings whole, and a turn between each two: the mean of both
     expected = 0.5 * (rings[0].length() + rings[-1].length()) + sum(b.length() for b in rings)
     assert bead.length() == pytest.approx(expected, rel=0.02)
@@ -240,7 +241,7 @@ def test_a_spiral_is_one_bead_with_turns_a_step_over_apart():
 
 def test_short_order_keeps_every_bead_and_shortens_travel():
     rng = np.random.default_rng(4)
-    beads = [b for k in range(12) for b in fill_region(shifted(k), Hatch(angle=0.3), **ARGS).beads]
+    beads = [b for k in range(12) for b in fill_region(shifted(k), Hatch(angle_deg=math.degrees(0.3)), **ARGS).beads]
     mixed = [beads[i] for i in rng.permutation(len(beads))]
     ordered = in_short_order(mixed, cylinder(R).closure)
     assert len(ordered) == len(mixed)
@@ -260,7 +261,7 @@ def travel(beads):
 
 def test_a_plan_proves_itself(fixture_step):
     process = bs.Process(
-        layer_thickness=T, step_over=D, bead_width=W, pattern=bs.InnerPattern.FLANK, fit=bs.Fit.ON, balance=False
+        layer_thickness=T, step_over=D, fill=bs.Fill(bead_width=W, outline_position="on", balance=False, pattern="flank")
     )
     plan = bs.plan(bs.read_step(fixture_step("helical_gear_tooth")), process, layers=(0, 4))
     for row in plan.proof():
@@ -279,12 +280,10 @@ def test_a_keyway_is_not_counted_as_bare():
     assert found.bare_share < 0.02
 
 
-@pytest.mark.parametrize(
-    "pattern", [bs.InnerPattern.RINGS, bs.InnerPattern.HELIX, bs.InnerPattern.ZIGZAG], ids=lambda p: p.value
-)
+@pytest.mark.parametrize("pattern", ["rings", "helix", bs.Zigzag(angle_deg=math.degrees(0.5))], ids=str)
 def test_step_over_of_the_other_straight_patterns(pattern, fixture_step):
     part = bs.read_step(fixture_step("keyed_band"))
-    process = bs.Process(layer_thickness=2.0, step_over=D, bead_width=W, pattern=pattern, hatch_angles_deg=math.degrees(0.5))
+    process = bs.Process(layer_thickness=2.0, step_over=D, fill=bs.Fill(bead_width=W, pattern=pattern))
     plan = bs.plan(part, process, axis=Z, substrate=45.0, layers=(0, 1))
     found = step_over_of(plan.toolpath, plan.axis, 0).spacings
     near = found[found < 1.5 * D]
@@ -297,12 +296,12 @@ def test_contours_and_spirals_keep_their_bounds(region):
     import shapely
 
     chord = ARGS["chord"]
-    rings = [shapely.LinearRing(b.points) for b in fill_region(region, Contours(count=None), **ON).beads]
+    rings = [shapely.LinearRing(b.points) for b in fill_region(region, Contours(skeleton=False), **ON).beads]
     for outer, inner in itertools.pairwise(rings):
         # every point of a contour is a step-over from the one before, and no nearer
         gaps = shapely.distance(outer, shapely.points(shapely.get_coordinates(shapely.segmentize(inner, 0.3))))
         assert np.abs(gaps - D).max() <= 4.0 * chord
-    (spiral,) = fill_region(region, Spiral(), **ON).beads
+    (spiral,) = fill_region(region, Spiral(skeleton=False), **ON).beads
     places = shapely.points(shapely.get_coordinates(shapely.segmentize(shapely.LineString(spiral.points), 0.3)))
     # nowhere does a spiral leave more between its turns than the contours that it runs between
     bands = shapely.union_all([ring.buffer(D) for ring in rings])

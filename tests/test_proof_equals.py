@@ -44,7 +44,7 @@ def times_of(region, fill):
 APART = [(-50.0, 0.0), (-10.0, 0.0), (30.0, 40.0)]
 
 
-@pytest.mark.parametrize("pattern", [Hatch(angle=0.0), Contours(count=None)], ids=["hatch", "contours"])
+@pytest.mark.parametrize("pattern", [Hatch(angle_deg=0.0), Contours(skeleton=False)], ids=["hatch", "contours"])
 def test_pieces_moved_round_or_along_stand_for_one_another(pattern):
     region = boxes(*APART)
     fill = filled(region, pattern)
@@ -61,7 +61,7 @@ def test_rings_of_equal_collars_stand_for_one_another():
 
 def test_a_piece_with_other_beads_or_speeds_is_proven_by_itself():
     region = boxes(*APART)
-    fill = filled(region, Hatch(angle=0.0))
+    fill = filled(region, Hatch(angle_deg=0.0))
     chosen = next(i for i, bead in enumerate(fill.beads) if bead.piece == 2)
     bead = fill.beads[chosen]
     for other in (
@@ -104,7 +104,7 @@ def test_pieces_that_beads_reach_over_are_proven_together(gap):
 def test_pieces_near_each_other_over_the_seam_are_proven_together():
     # 12 mm wide, their borders 1 mm apart over the seam
     region = boxes((0.0, 0.0), (TURN - 13.0, 0.0))
-    fill = filled(region, Hatch(angle=0.0))
+    fill = filled(region, Hatch(angle_deg=0.0))
     wide = replace(fill, beads=tuple(replace(bead, points=bead.points * [1.0, 1.0]) for bead in fill.beads))
     assert times_of(region, wide) == [2]
     beads = []
@@ -117,7 +117,7 @@ def test_pieces_near_each_other_over_the_seam_are_proven_together():
 @pytest.mark.parametrize("name", ["helical_gear", "propeller", "spur_gear"])
 def test_the_figures_are_those_of_the_whole_layer(name, fixture_step):
     part = bs.read_step(fixture_step(name))
-    plan = bs.plan(part, bs.Process(layer_thickness=T, step_over=D, bead_width=W), axis="Z", layers=(2, 3))
+    plan = bs.plan(part, bs.Process(layer_thickness=T, step_over=D, fill=bs.Fill(bead_width=W)), axis="Z", layers=(2, 3))
     (layer,), (fill,) = plan.layers, plan.fills
     shares = shares_of(layer.region, fill, width=W)
     assert sum(share.times * len(share.region.pieces) for share in shares) == len(layer.region.pieces)
@@ -138,7 +138,7 @@ def test_nothing_lies_outside_where_a_piece_is_over_the_seam(collar):
     # beads half a width inside of every border
     loops = [rectangle(0.5 * TURN + k, 0.0, 0.5 * TURN + k + 20.0, 20.0) for k in (-12.0, 20.0, -60.0)]
     region = region_from_loops(cylinder(R), [*loops, *(ring(40.0, 57.0) if collar else [])])
-    fill = filled(region, Hatch(angle=0.0))
+    fill = filled(region, Hatch(angle_deg=0.0))
     # but for the round ends of beads that are drawn as polygons
     assert coverage_of(region, fill.beads, W).outside == pytest.approx(0.0, abs=1e-6)
 

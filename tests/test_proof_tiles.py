@@ -17,9 +17,9 @@ from .test_fill import ARGS, D, W, band, box
 
 T = 1.4
 FILLS = {
-    "hatch": (box, Hatch(angle=0.3)),
-    "spiral": (box, Spiral()),
-    "contours": (box, Contours(count=None)),
+    "hatch": (box, Hatch(angle_deg=math.degrees(0.3))),
+    "spiral": (box, Spiral(skeleton=False)),
+    "contours": (box, Contours(skeleton=False)),
     "rings": (band, Rings()),
 }
 
@@ -37,7 +37,7 @@ def test_tiles_give_the_figures_of_the_whole_plane(shape, pattern, size, monkeyp
 
 
 def test_a_window_shows_what_the_whole_shows():
-    beads = fill_region(box(), Hatch(angle=0.3), **ARGS).beads
+    beads = fill_region(box(), Hatch(angle_deg=math.degrees(0.3)), **ARGS).beads
     whole = deposit_of(box(), beads, width=W, thickness=T, step_over=D)
     k0, v0 = whole.kappa[0], whole.v[0]
     half = 0.5 * W / 24.0
@@ -66,7 +66,9 @@ def test_cells_of_a_slanting_box_are_those_whose_middles_lie_in_it():
 
 @pytest.mark.parametrize("angle", [0.0, 30.0, 75.0])
 def test_neighbours_by_a_tree_are_those_of_all_pairs(angle, fixture_step):
-    process = bs.Process(layer_thickness=2.0, step_over=D, bead_width=W, hatch_angles_deg=(angle,), contours=1)
+    process = bs.Process(
+        layer_thickness=2.0, step_over=D, fill=bs.Fill(bead_width=W, contours=1, pattern=bs.Automatic(angle_deg=(angle,)))
+    )
     plan = bs.plan(bs.read_step(fixture_step("keyed_band")), process, axis="Z", substrate=45.0, layers=(0, 1))
     every = step_over_of(plan.toolpath, plan.axis, 0)
     near = step_over_of(plan.toolpath, plan.axis, 0, within=2.0 * D)

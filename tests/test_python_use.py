@@ -25,43 +25,56 @@ def lug():
 class TestAngles:
     def test_degrees_hatch_at_degrees(self):
         for given in (45, 45.0, (45.0,), [45], np.array([45.0]), np.float64(45.0)):
-            process = bs.Process(**SIZES, hatch_angles_deg=given)
-            assert process.hatch_angle(0) == math.radians(45.0)
-            assert process.as_dict()["hatch_angles_deg"] == [45.0]
-        turned = bs.Process(**SIZES, hatch_angles_deg=(0, 90), hatch_angle_step_deg=7.0)
-        assert [turned.hatch_angle(i) for i in range(3)] == pytest.approx(np.radians([0.0, 97.0, 14.0]), abs=1e-15)
-        assert bs.Process(**SIZES, start_angle_deg=180).start_angle == math.pi
+            process = bs.Process(**SIZES, fill=bs.Fill(pattern=bs.Automatic(angle_deg=given)))
+            assert process.fill.pattern.angle_deg == (45.0,)
+            assert process.as_dict()["fill"]["pattern"]["angle_deg"] == [45.0]
+        turned = bs.Process(**SIZES, fill=bs.Fill(pattern=bs.Hatch(angle_deg=(0, 90), angle_step_deg=7.0)))
+        plan = bs.plan(TOOTH, turned, layers="0:3")
+        assert [fill.angle[0] for fill in plan.fills] == pytest.approx(np.radians([0.0, 97.0, 14.0]), abs=1e-15)
 
     def test_the_beads_lie_at_that_angle(self):
-        plan = bs.plan(TOOTH, bs.Process(**SIZES, hatch_angles_deg=45, pattern="hatch"), layers="0:1")
+        plan = bs.plan(TOOTH, bs.Process(**SIZES, fill=bs.Fill(pattern=bs.Hatch(angle_deg=45))), layers="0:1")
         steps = np.array([b.points[-1] - b.points[0] for b in plan.fills[0].beads if b.kind is bs.BeadKind.HATCH])
         assert len(steps) > 10
         angles = np.remainder(np.arctan2(steps[:, 1], steps[:, 0]), math.pi)
         assert angles == pytest.approx(np.full(len(steps), math.pi / 4.0), abs=1e-12)
 
-    @pytest.mark.parametrize("name", ["hatch_angles", "hatch_angle_step", "start_angle"])
-    def test_the_name_without_its_unit_is_refused_with_the_right_one(self, name):
-        said = rf"{name} is no process parameter; did you mean {name}_deg \(in degrees\)\?"
+    @pytest.mark.parametrize(
+        ("kind", "name"), [(bs.Hatch, "angle"), (bs.Hatch, "angles"), (bs.Zigzag, "angle_step"), (bs.Helix, "start_angle")]
+    )
+    def test_the_name_without_its_unit_is_refused_with_the_right_one(self, kind, name):
+        right = f"{name.removesuffix('s')}_deg"
+        said = rf"{name} is no parameter of pattern {kind.name}; did you mean {right} \(in degrees\)\?"
         with pytest.raises(bs.InputError, match=said):
-            bs.Process(**SIZES, **{name: 0.5})
+            kind(**{name: 0.5})
         with pytest.raises(bs.InputError, match=said):
-            bs.Process(**SIZES).updated(**{name: 0.5})
-        with pytest.raises(bs.InputError, match=f"did you mean {name}_deg"):
-            bs.Rule(changes={name: 0.5})
+            bs.Process(**SIZES, fill={"pattern": {"name": kind.name, name: 0.5}})
+        with pytest.raises(bs.InputError, match=said):
+            bs.Rule(changes={"pattern": {"name": kind.name, name: 0.5}})
+
+    def test_what_once_was_radians_does_not_hatch_at_2578_degrees(self):
+        with pytest.raises(bs.InputError, match="it is angle_deg of the pattern now"):
+            bs.Process(**SIZES, hatch_angles_deg=(45,))
+        with pytest.raises(bs.InputError, match="hatch_angles is no process parameter"):
+            bs.Process(**SIZES, hatch_angles=(45,))
 
 
 class TestNamesAndValues:
     @pytest.mark.parametrize(
         ("given", "near"),
         [
-            ({"contour": 1}, "contours"),
-            ({"step_ovr": 1.0}, "step_over"),
-            ({"patern": "helix"}, "pattern"),
-            ({"deposition_speed": 9.0}, "deposition_speed_mm_s"),
+            ({"contour": 1}, "did you mean contours\\? it stands in the table \\[fill\\]"),
+            ({"contours": 1}, r"it stands in the table \[fill\] \(in Python fill=Fill\(contours=...\)\)"),
+            ({"step_ovr": 1.0}, "did you mean step_over"),
+            ({"patern": "helix"}, "did you mean pattern"),
+            ({"deposition_speed": 9.0}, "did you mean deposition_speed_mm_s"),
+            ({"fils": {}}, "did you mean fill"),
+            ({"fit": "in"}, r"it is outline_position in \[fill\] now"),
+            ({"hatch": False}, "the pattern says it"),
         ],
     )
     def test_a_name_that_no_parameter_has_is_told_of_with_the_nearest(self, given, near):
-        with pytest.raises(bs.InputError, match=f"is no process parameter; did you mean {near}"):
+        with pytest.raises(bs.InputError, match=f"is no process parameter; {near}"):
             bs.Process(**SIZES, **given)
 
     @pytest.mark.parametrize(
@@ -71,11 +84,16 @@ class TestNamesAndValues:
             ({"layer_thickness": ["1.4", "1"]}, "layer_thickness is '1.4', a text"),
             ({"layer_thickness": []}, "layer_thickness is an empty list"),
             ({"step_over": "3.4"}, "step_over is '3.4', a text"),
-            ({"hatch_angles_deg": "45"}, "hatch_angles_deg is '45', a text"),
-            ({"hatch_angles_deg": ()}, "hatch_angles_deg is an empty list"),
-            ({"both_ways": "no"}, "both_ways is 'no'; it must be true or false"),
-            ({"hatch": 1}, "hatch is 1; it must be true or false"),
-            ({"contours": True}, "contours is True; it must be a whole number"),
+            ({"fill": {"pattern": {"name": "hatch", "angle_deg": "45"}}}, "fill: angle_deg is '45', a text"),
+            ({"fill": {"pattern": {"name": "hatch", "angle_deg": ()}}}, "angle_deg is an empty list"),
+            ({"fill": {"pattern": {"name": "hatch", "both_ways": "no"}}}, "both_ways is 'no'; it must be true or false"),
+            ({"fill": {"pattern": {"angle_deg": 3}}}, "give the pattern's name"),
+            ({"fill": {"pattern": 3}}, "give a pattern, its name, or a table"),
+            ({"fill": {"alternate": 1}}, "alternate is 1; it must be true or false"),
+            ({"fill": {"contours": True}}, "contours is True; it must be a whole number"),
+            ({"fill": {"chord": 0.1}}, r"chord is no parameter of fill .*; it stands in the table \[motion\]"),
+            ({"motion": {"step_over": 3}}, "it stands at the top of the file"),
+            ({"laser": 3}, r"laser: laser is 3; give a table, \[laser\] in a file"),
             ({"rules": "hatch"}, "write each rule as a table"),
             ({"rules": [3]}, "write each rule as a table"),
         ],
@@ -85,10 +103,12 @@ class TestNamesAndValues:
             bs.Process(**{**SIZES, **given})
 
     def test_numbers_of_numpy_are_numbers(self):
-        process = bs.Process(layer_thickness=np.array([1.0, 2.0]), step_over=np.float32(3.0), contours=np.int64(2))
+        process = bs.Process(
+            layer_thickness=np.array([1.0, 2.0]), step_over=np.float32(3.0), fill=bs.Fill(contours=np.int64(2))
+        )
         assert process.layer_thickness == (1.0, 2.0)
-        assert process.contours == 2
-        assert type(process.contours) is int
+        assert process.fill.contours == 2
+        assert type(process.fill.contours) is int
         assert [process.thickness(i) for i in (0, 1, 7)] == [1.0, 2.0, 2.0]
 
 
@@ -101,7 +121,7 @@ class TestRules:
         assert bs.Rule(layers="3:", changes={"contours": 2}).layers == (3, None)
 
     def test_a_dict_is_a_rule(self):
-        right = bs.Process(**SIZES, rules=(bs.Rule(layers=(0, 3), changes={"pattern": bs.InnerPattern.ZIGZAG}),))
+        right = bs.Process(**SIZES, rules=(bs.Rule(layers=(0, 3), changes={"pattern": bs.Zigzag()}),))
         table = {"layers": "0:3", "pattern": "zigzag"}
         nested = {"layers": "0:3", "changes": {"pattern": "zigzag"}}
         for rules in ([table], (table,), table, [nested], [bs.Rule(layers="0:3", changes={"pattern": "zigzag"})]):
@@ -116,10 +136,10 @@ class TestRules:
             (lambda: bs.Rule(layers=3, changes={"contours": 2}), "layers is 3; give 'a:b'"),
             (lambda: bs.Rule(layers="3:1", changes={"contours": 2}), "holds no layer"),
             (lambda: bs.Rule(changes=[("contours", 2)]), "give names and values"),
-            (lambda: bs.Rule(winds="yes", changes={"contours": 2}), "winds is 'yes'; it must be true or false"),
+            (lambda: bs.Rule(full_turn="yes", changes={"contours": 2}), "full_turn is 'yes'; it must be true or false"),
             (lambda: bs.Process(**SIZES, rules=[{"contours": 1.5}]), "in a rule: contours is 1.5"),
             (lambda: bs.Process(**SIZES, rules=[{"layers": "0:3", "contour": 1}]), "contour is no .*; did you mean contours"),
-            (lambda: bs.Process(**SIZES, rules=[{"pattern": "lines"}]), "in a rule: pattern is 'lines'"),
+            (lambda: bs.Process(**SIZES, rules=[{"pattern": "lines"}]), "in a rule: 'lines' is no pattern"),
         ],
     )
     def test_what_is_no_rule_is_told_of_at_once(self, make, said):

@@ -231,7 +231,7 @@ class TestAHoleThroughACollar:
         return bd.Pos(0, 0, 40) * (shaft(15.0) + shaft(25.0, 40.0) - hole)
 
     def test_no_bead_begins_in_it(self):
-        process = bs.Process(layer_thickness=0.5, step_over=2.0, pattern=bs.InnerPattern.HELIX)
+        process = bs.Process(layer_thickness=0.5, step_over=2.0, fill=bs.Fill(pattern="helix"))
         path = bs.plan(self.solid(), process, axis=Z, layers=(14, 18)).toolpath
         laid = path.deposits | np.append(path.deposits[1:], False)
         from_hole = np.hypot(path.points[laid, 1], path.points[laid, 2] - 40.0)

@@ -157,7 +157,7 @@ def test_splitting_the_part_in_two_changes_nothing(cut):
 class TestTheBeadsTurnWithThePart:
     """Issue 2: the single-face cylinder, a full band with keyway, a feature across the seam."""
 
-    process = bs.Process(layer_thickness=5.0, step_over=3.0, hatch_angles_deg=30.0)
+    process = bs.Process(layer_thickness=5.0, step_over=3.0, fill=bs.Fill(pattern=bs.Automatic(angle_deg=30.0)))
 
     def beads(self, solid, substrate):
         plan = bs.plan(solid, self.process, axis=Z, substrate=substrate)

@@ -16,7 +16,8 @@ Z = bs.axis_from_text("Z")
 
 
 def stack(substrate, highest, **kwargs):
-    return stack_layers(substrate, highest, bs.Process(step_over=1.0, **kwargs))
+    thickness = kwargs.pop("layer_thickness")
+    return stack_layers(substrate, highest, bs.Process(layer_thickness=thickness, step_over=1.0, layers=kwargs))
 
 
 def test_the_paper_s_layer_counts():
@@ -120,7 +121,7 @@ def test_lists_of_thicknesses_and_of_radii():
 def test_cut_at_mid_thickness_is_drawn_on_the_nominal_radius():
     bodies = pytest.importorskip("fixtures.bodies")
     body = bodies.BoxOnShaft()
-    process = bs.Process(layer_thickness=2.0, step_over=3.0, cut_at=CutAt.MIDDLE)
+    process = bs.Process(layer_thickness=2.0, step_over=3.0, layers=bs.Layers(cut_at=CutAt.MIDDLE))
     plan = bs.plan(body.solid(), process, axis=Z, layers=(0, 2))
     for layer in plan.layers:
         assert layer.cut_radius == pytest.approx(layer.radius + 1.0)

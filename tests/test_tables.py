@@ -33,9 +33,13 @@ def toolpath_of(rows, seed=0):
 def test_every_row_is_there_and_reads_back(rows, at_once, tmp_path, monkeypatch):
     monkeypatch.setattr(tables, "ROWS_AT_ONCE", at_once)
     path = toolpath_of(rows)
-    table, columns = tables.write_tables(path, {"part": "a part"}, tmp_path)
+    made = tables.Tables(path, {"part": "a part"})
+    table, columns = made.write_csv(tmp_path), made.write_json(tmp_path)
     assert sorted(file.name for file in tmp_path.iterdir()) == ["toolpath.csv", "toolpath.json"]
     assert bs.read_toolpath(columns) == path
+    # alone, or first, it is the same
+    (tmp_path / "alone").mkdir()
+    assert tables.Tables(path, {"part": "a part"}).write_json(tmp_path / "alone").read_bytes() == columns.read_bytes()
     lines = table.read_text().splitlines()
     assert lines[0].split(",") == list(COLUMNS)
     values = json.loads(columns.read_text())["columns"]
@@ -52,7 +56,8 @@ def test_the_memory_does_not_grow_with_the_toolpath(tmp_path, monkeypatch):
     for rows in (4_000, 32_000):
         path = toolpath_of(rows)
         tracemalloc.start()
-        written = tables.write_tables(path, {}, tmp_path)
+        made = tables.Tables(path, {})
+        written = made.write_csv(tmp_path), made.write_json(tmp_path)
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
         sizes.append(sum(file.stat().st_size for file in written))
@@ -67,6 +72,7 @@ def test_a_value_that_is_not_finite_leaves_no_file(tmp_path):
     speed = path.speed.copy()
     speed[12] = np.inf
     broken = Toolpath(**{name: getattr(path, name) for name in Toolpath.__slots__} | {"speed": speed})
-    with pytest.raises(ValueError, match="not finite"):
-        tables.write_tables(broken, {}, tmp_path)
+    for write in (tables.Tables(broken, {}).write_csv, tables.Tables(broken, {}).write_json):
+        with pytest.raises(ValueError, match="not finite"):
+            write(tmp_path)
     assert not list(tmp_path.iterdir())

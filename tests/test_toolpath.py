@@ -20,7 +20,8 @@ def tooth_plan():
 
     part = bs.read_step(fixtures / "helical_gear_tooth.step")
     return bs.plan(
-        part, bs.Process(layer_thickness=1.4, step_over=3.4, pattern="hatch", balance=False, hatch_angles_deg=(0.0, 67.0))
+        part,
+        bs.Process(layer_thickness=1.4, step_over=3.4, fill=bs.Fill(balance=False, pattern=bs.Hatch(angle_deg=(0.0, 67.0)))),
     )
 
 
@@ -115,7 +116,12 @@ def test_travels_clear_a_flange():
     key = bd.Solid.make_box(200.0, 60.0, 10.0, bd.Plane((-100.0, -30.0, 20.0)))
     feature = (ring - key).solids()[0]
     part = bs.as_part([shaft.solids()[0], feature])
-    plan = bs.plan(part, bs.Process(layer_thickness=2.0, step_over=3.0, hatch_angles_deg=90.0), axis=Z, substrate=40.0)
+    plan = bs.plan(
+        part,
+        bs.Process(layer_thickness=2.0, step_over=3.0, fill=bs.Fill(pattern=bs.Automatic(angle_deg=90.0))),
+        axis=Z,
+        substrate=40.0,
+    )
     assert plan.substrate.solids == (0,)
     path = plan.toolpath
     # near the flange (z < 15 plus the margin of half a bead) a travel has to be above its 70 mm
@@ -133,7 +139,10 @@ def test_travels_clear_the_solids_that_were_not_chosen():
     keys = [s - bd.Solid.make_cylinder(40.0, 120.0) for s in ends.solids()]
     whole = bs.as_part([shaft.solids()[0], *(k.solids()[0] for k in keys)])
     plan = bs.plan(
-        whole.select([1, 2]), bs.Process(layer_thickness=2.0, step_over=3.0, pattern="hatch"), axis=Z, substrate=40.0
+        whole.select([1, 2]),
+        bs.Process(layer_thickness=2.0, step_over=3.0, fill=bs.Fill(pattern="hatch")),
+        axis=Z,
+        substrate=40.0,
     )
     path = plan.toolpath
     between = ~path.deposits & (np.roll(path.v, 1) < 50.0) & (path.v > 60.0) & (np.roll(path.radius, 1) == path.radius)
@@ -198,14 +207,14 @@ def test_beads_keep_their_numbers_in_a_plan_of_some_layers(tooth_plan, layers):
     [
         {"by_feature": True},
         {"by_feature": True, "contours": 1, "order": "pattern"},
-        {"contours": 1, "hatch_angles_deg": (0.0, 45.0)},
+        {"contours": 1, "pattern": {"name": "auto", "angle_deg": (0.0, 45.0)}},
         {"pattern": "zigzag"},
     ],
 )
 def test_beads_keep_their_numbers_however_they_are_ordered(more, fixture_step):
     # from layer to layer the blades are features of their own; above their middle, others
     part = bs.read_step(fixture_step("propeller"))
-    process = bs.Process(layer_thickness=8.0, step_over=3.4, **more)
+    process = bs.Process(layer_thickness=8.0, step_over=3.4, fill=more)
     whole = bs.plan(part, process)
     for layers in ("4:", "1:3"):
         same_beads(whole, bs.plan(part, process, layers=layers))
@@ -219,7 +228,7 @@ def test_lengths_and_times_add_up(tooth_plan):
 
 
 def test_leads_run_straight_on_with_the_laser_off(tooth_plan):
-    process = tooth_plan.process.updated(lead_in=3.0, lead_out=2.0)
+    process = tooth_plan.process.updated(motion={"lead_in": 3.0, "lead_out": 2.0})
     led = bs.plan(tooth_plan.part, process)
     plain, path = tooth_plan.toolpath, led.toolpath
     assert path.segment_lengths()[path.deposits].sum() == pytest.approx(
@@ -227,15 +236,15 @@ def test_leads_run_straight_on_with_the_laser_off(tooth_plan):
     )
     # laser off, at deposition speed: 5 mm a bead
     beads = len(np.unique(path.runs()))
-    runs = ~path.deposits & (path.speed == process.value("deposition_speed_mm_s"))
+    runs = ~path.deposits & (path.speed == process.deposition_speed)
     flat = np.concatenate([[0.0], np.hypot(np.diff(path.kappa), np.diff(path.v))])
     assert flat[runs].sum() == pytest.approx(5.0 * beads, rel=1e-9)
     assert not (runs & (np.abs(path.radius - np.round(path.radius, 6)) > 1e-6)).any()
 
 
 def test_the_laser_is_switched_early(tooth_plan):
-    long = tooth_plan.process.updated(shortest_bead=3.0)
-    early = long.updated(laser_on_delay=0.5, laser_off_delay=0.8, lead_in=2.0)
+    long = tooth_plan.process.updated(fill={"shortest_bead": 3.0})
+    early = long.updated(laser={"on_delay": 0.5, "off_delay": 0.8}, motion={"lead_in": 2.0})
     plain, path = (bs.plan(tooth_plan.part, process).toolpath for process in (long, early))
     beads = len(np.unique(path.runs()))
     laid = [p.segment_lengths()[p.deposits].sum() for p in (plain, path)]
@@ -245,7 +254,8 @@ def test_the_laser_is_switched_early(tooth_plan):
 
 def test_contours_at_a_speed_of_their_own(tooth_plan):
     # leads and what is laid before the start too: the laser is on with the contour's own speed
-    process = tooth_plan.process.updated(contours=1, contour_speed_mm_s=6.0, lead_in=2.0, lead_out=1.0, laser_on_delay=0.5)
+    motion = {"contour_speed_mm_s": 6.0, "lead_in": 2.0, "lead_out": 1.0}
+    process = tooth_plan.process.updated(fill={"contours": 1}, motion=motion, laser={"on_delay": 0.5})
     plan = bs.plan(tooth_plan.part, process, layers=(0, 2))
     path = plan.toolpath
     kinds = np.array([b.kind.value for fill in plan.fills for b in fill.beads])[path.runs()]

@@ -31,9 +31,13 @@ def test_a_script_of_the_readmes_kind_is_clean_to_strict_mypy(tmp_path):
 @pytest.mark.parametrize(
     "line",
     [
-        'bs.Process(layer_thickness=1.4, step_over=3.4, pattern="lines")',
+        "bs.Process(layer_thickness=1.4, step_over=3.4, contours=1)",
+        "bs.Process(step_over=3.4)",
+        "bs.Process(layer_thickness=1.4, step_over=3.4, fill=bs.Fill(pattern=3))",
+        'bs.Hatch(angle_deg="45")',
+        "bs.Hatch(angle=0.7)",
         'bs.Process(layer_thickness="1.4", step_over=3.4)',
-        "bs.Process(layer_thickness=1.4, step_over=3.4, fit=bs.Order.PATTERN)",
+        "bs.Process(layer_thickness=1.4, step_over=3.4, fill=bs.Fill(outline_position=bs.Order.PATTERN))",
         'bs.Rule(layers=3, changes={"contours": 2})',
         "bs.find_axes",
     ],

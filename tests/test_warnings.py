@@ -32,7 +32,7 @@ def note(text, *pieces):
 @pytest.fixture(scope="module")
 def plan():
     part = bs.read_step(Path(__file__).resolve().parent.parent / "fixtures" / "step" / "spur_gear_tooth.step")
-    return bs.plan(part, bs.Process(layer_thickness=T, step_over=D, pattern="hatch"), layers=(0, 5))
+    return bs.plan(part, bs.Process(layer_thickness=T, step_over=D, fill=bs.Fill(pattern="hatch")), layers=(0, 5))
 
 
 def test_nothing_where_nothing_is_amiss(plan):
@@ -51,7 +51,7 @@ def test_a_note_on_several_layers_and_pieces_is_one_line(plan):
 
 def test_pieces_too_narrow_for_a_bead_are_one_line_with_the_range_of_their_areas(plan):
     slits = [region_from_loops(cylinder(R), [rectangle(0.0, 0.0, 1.5, height)]) for height in (2.0, 1.0, 1.5)]
-    notes = [fill_region(slit, Hatch(angle=0.0), **ARGS).notes for slit in slits]
+    notes = [fill_region(slit, Hatch(angle_deg=0.0), **ARGS).notes for slit in slits]
     fills = [replace(fill, notes=said) for fill, said in zip(plan.fills, [*notes, (), ()], strict=True)]
     assert warnings_of(plan.layers, fills, plan.process) == [
         "layers 0 to 2, piece 0 (1.5 to 3 mm2): too narrow for a bead 2.45 mm inside of its outline: left bare"
@@ -154,7 +154,9 @@ def test_figures_are_values_and_worded_once(plan):
     assert str(Notice(kind=NoticeKind.PART, text="solid '{area}'")) == "solid '{area}'"
 
 
-@pytest.mark.parametrize(("pattern", "bare"), [(FlankFollowing(), True), (Hatch(angle=0.0), False), (Contours(), False)])
+@pytest.mark.parametrize(
+    ("pattern", "bare"), [(FlankFollowing(), True), (Hatch(angle_deg=0.0), False), (Contours(count=1, skeleton=False), False)]
+)
 def test_a_strip_that_gets_too_few_beads_is_told_of(plan, pattern, bare):
     # room for one bead and a third beside each other: one of 2.16 mm leaves a third of 3.3 mm bare
     region = region_from_loops(cylinder(R), [rectangle(0.0, 0.0, 3.3, 60.0)])
@@ -169,7 +171,9 @@ def test_a_strip_that_gets_too_few_beads_is_told_of(plan, pattern, bare):
 
 @pytest.mark.parametrize("name", ["propeller", "box_on_shaft", "cam"])
 def test_no_piece_is_called_bare_that_is_not(name, fixture_step):
-    made = bs.plan(bs.read_step(fixture_step(name)), bs.Process(layer_thickness=8.0, step_over=D, pattern="hatch"))
+    made = bs.plan(
+        bs.read_step(fixture_step(name)), bs.Process(layer_thickness=8.0, step_over=D, fill=bs.Fill(pattern="hatch"))
+    )
     for layer, fill in zip(made.layers, made.fills, strict=True):
         said = [w for w in warnings_of([layer], [fill], made.process) if "more than a fifth of it bare" in w]
         if said:
@@ -185,5 +189,5 @@ def test_slower_beads_hold_more_metal(plan):
 
 
 def test_beads_narrower_than_their_distance(plan):
-    (said,) = warnings_of(plan.layers, plan.fills, plan.process.updated(bead_width=3.0))
+    (said,) = warnings_of(plan.layers, plan.fills, plan.process.updated(fill={"bead_width": 3.0}))
     assert "leave bare metal between them" in said

@@ -1,4 +1,4 @@
-"""The command line: brep-slicer inspect, plan, view.
+"""The command line: brep-slicer inspect, plan, init, view.
 
 In: words from a shell. Out: files, a few lines on the terminal, an exit code.
 """

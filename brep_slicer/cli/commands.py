@@ -1,4 +1,4 @@
-"""The command: brep-slicer inspect, plan, view.
+"""The command: brep-slicer inspect, plan, init, view.
 
 In: words from a shell. Out: files, a few lines on the terminal, an exit code.
 """
@@ -6,26 +6,42 @@ In: words from a shell. Out: files, a few lines on the terminal, an exit code.
 from __future__ import annotations
 
 import contextlib
+import functools
 import gc
 import json
 import os
 import sys
+from inspect import Parameter
+from inspect import signature as inspect_signature
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+import typer.core
+import typer.main
 
 from brep_slicer.errors import BrepSlicerError, InputError
 
-from .help import INPUT, LAYERS, METAL, OUTPUT, PLAN_HELP, TUNING, pattern_names
 from .summary import say, warn
 
 # New objects between two searches for cycles of them: a plan makes many objects that live on and hardly a cycle, so that
 # searching as often as Python does by default (700) finds nothing.
 OBJECTS_BETWEEN_SEARCHES = 100_000
 
+# The groups of plan's options that are no process parameters.
+INPUT, OUTPUT, TUNING = "Part: what is built, on what", "What is written", "How it is computed"
+
+
+class Commands(typer.core.TyperGroup):
+    """The commands; `plan` gets its options from the process's declarations when it is asked for, and not before."""
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        return _plan_command() if cmd_name == "plan" else super().get_command(ctx, cmd_name)
+
+
 app = typer.Typer(
     name="brep-slicer",
+    cls=Commands,
     help="Plan laser metal deposition on shafts: cut a STEP solid with coaxial cylinders, fill the layers with beads.",
     no_args_is_help=True,
     add_completion=False,
@@ -125,63 +141,18 @@ def inspect(
     typer.echo("\n".join(lines))
 
 
-@app.command(help=PLAN_HELP)
+@app.command()
 def plan(
     part: PartFile,
-    layer_thickness: Annotated[
-        float | None, typer.Option("-t", "--layer-thickness", help="Layer thickness t, mm.", rich_help_panel=LAYERS)
-    ] = None,
-    step_over: Annotated[
-        float | None, typer.Option("-d", "--step-over", help="Step-over d between bead centres, mm.", rich_help_panel=METAL)
-    ] = None,
     out: Annotated[Path, typer.Option("-o", "--out", help="Folder to write to.", rich_help_panel=OUTPUT)] = Path("out"),
-    process: Annotated[
-        Path | None,
-        typer.Option("--process", help="TOML file with process parameters; options overrule it.", rich_help_panel=INPUT),
-    ] = None,
-    width: Annotated[
-        float | None, typer.Option("-w", "--bead-width", help="Bead width w, mm (default 1.44 d).", rich_help_panel=METAL)
-    ] = None,
-    inset: Annotated[
-        float | None,
-        typer.Option("--inset", help="Outermost bead centres inside of the outline, mm (default w/2).", rich_help_panel=METAL),
-    ] = None,
-    contours: Annotated[
-        int | None,
-        typer.Option("--contours", help="Beads along the outline before hatching (default 0).", rich_help_panel=METAL),
-    ] = None,
-    pattern: Annotated[
+    write: Annotated[
         str | None,
         typer.Option(
-            "--pattern", help=f"Inside of the contours: {', '.join(pattern_names())}; see above.", rich_help_panel=METAL
+            "--write",
+            help="What is written, as csv,json; all are listed above. With a + before it, beside the usual: +dxf.",
+            rich_help_panel=OUTPUT,
         ),
     ] = None,
-    fit: Annotated[
-        str | None,
-        typer.Option(
-            "--fit", help="Outermost bead centres in (w/2 inside, default), on, or out of the outline.", rich_help_panel=METAL
-        ),
-    ] = None,
-    allowance: Annotated[
-        float | None,
-        typer.Option(
-            "--allowance",
-            help="Machining allowance: grow the part by this much all over, mm (default 0).",
-            rich_help_panel=LAYERS,
-        ),
-    ] = None,
-    order: Annotated[
-        str | None,
-        typer.Option("--order", help="Beads in the pattern's order (default), or shortest travels.", rich_help_panel=METAL),
-    ] = None,
-    even_height: Annotated[
-        bool,
-        typer.Option(
-            "--even-height",
-            help="Faster where beads come nearer to each other, so that the height stays t.",
-            rich_help_panel=METAL,
-        ),
-    ] = False,
     proof: Annotated[
         bool,
         typer.Option(
@@ -190,92 +161,39 @@ def plan(
             rich_help_panel=OUTPUT,
         ),
     ] = False,
-    angle: Annotated[
-        list[float] | None,
-        typer.Option(
-            "--angle",
-            help="Hatch angle, degrees from the circumference; repeated: layer by layer in turn.",
-            rich_help_panel=METAL,
-        ),
+    process: Annotated[
+        Path | None,
+        typer.Option("--process", help="TOML file with process parameters; options overrule it.", rich_help_panel=INPUT),
     ] = None,
-    angle_step: Annotated[
-        float | None,
-        typer.Option("--angle-step", help="Turn the hatch by this many degrees from layer to layer.", rich_help_panel=METAL),
-    ] = None,
-    one_way: Annotated[
-        bool, typer.Option("--one-way", help="Lay all hatch beads in the same direction.", rich_help_panel=METAL)
-    ] = False,
-    speed: Annotated[
-        float | None, typer.Option("--speed", help="Deposition speed, mm/s (default 9).", rich_help_panel=METAL)
-    ] = None,
-    chord: Annotated[
-        float | None,
-        typer.Option(
-            "--chord", help="Tolerance of sampled curves, mm (default 0.01, or d / 100 for d below 1).", rich_help_panel=TUNING
-        ),
-    ] = None,
-    last_layer: Annotated[
-        str | None,
-        typer.Option(
-            "--last-layer",
-            help="Last layer if t does not divide the height: auto (kept, unless a sliver), keep, drop, stretch.",
-            rich_help_panel=LAYERS,
-        ),
-    ] = None,
-    cut_at: Annotated[
-        str | None,
-        typer.Option(
-            "--cut-at", help="Cut layers at the bottom (default) or the middle of their thickness.", rich_help_panel=LAYERS
-        ),
-    ] = None,
-    layers: Annotated[
-        str | None, typer.Option("--layers", help="Plan only layers a:b (from 0, b not included).", rich_help_panel=LAYERS)
-    ] = None,
-    engine: Annotated[
-        str, typer.Option("--engine", help="analytic (default) or boolean.", rich_help_panel=TUNING)
-    ] = "analytic",
     axis: AxisText = None,
     substrate: SubstrateRadius = None,
     solid: SolidNames = None,
     build: BuildNames = None,
     stands: StandNames = None,
     unit: Unit = None,
+    layers: Annotated[
+        str | None, typer.Option("--layers", help="Plan only layers a:b (from 0, b not included).", rich_help_panel=INPUT)
+    ] = None,
+    engine: Annotated[
+        str, typer.Option("--engine", help="analytic (default) or boolean.", rich_help_panel=TUNING)
+    ] = "analytic",
     allow_failed: Annotated[
         bool, typer.Option("--allow-failed", help="Write the toolpath even if some layers failed.", rich_help_panel=TUNING)
     ] = False,
     yes: Annotated[
         bool, typer.Option("--yes", help="Plan without asking, however long it may take.", rich_help_panel=TUNING)
     ] = False,
-    step: Annotated[bool, typer.Option("--step", help="Also write the beads as STEP wires.", rich_help_panel=OUTPUT)] = False,
-    dxf: Annotated[bool, typer.Option("--dxf", help="Also write the unrolled layers as DXF.", rich_help_panel=OUTPUT)] = False,
+    **given: Any,
 ) -> None:
-    """Plan the deposition of a part: toolpath.csv, toolpath.json, report.json, layers.png, toolpath.png."""
+    """Plan the deposition of a part: toolpath, report, pictures."""
     from brep_slicer.output.atomic import ensure_folder
-    from brep_slicer.output.write import write_plan, write_report
+    from brep_slicer.output.write import report_alone, write_plan, writers_of
     from brep_slicer.planning import check_complete, cut_layers, fill_layers
     from brep_slicer.planning.estimate import estimate_of
     from brep_slicer.planning.report import summary_of_sections
 
-    given = {
-        "layer_thickness": layer_thickness,
-        "step_over": step_over,
-        "bead_width": width,
-        "inset": inset,
-        "contours": contours,
-        "hatch_angles_deg": tuple(angle) if angle else None,
-        "hatch_angle_step_deg": angle_step,
-        "both_ways": False if one_way else None,
-        "deposition_speed_mm_s": speed,
-        "chord": chord,
-        "pattern": _choice("--pattern", pattern, "InnerPattern"),
-        "allowance": allowance,
-        "fit": _choice("--fit", fit, "Fit"),
-        "order": _choice("--order", order, "Order"),
-        "speed_follows_spacing": True if even_height else None,
-        "last_layer": _choice("--last-layer", last_layer, "LastLayer"),
-        "cut_at": _choice("--cut-at", cut_at, "CutAt"),
-    }
     settings = _process(process, given)
+    writers = writers_of(write)
     read = _part(part, unit, solid)
     ensure_folder(out)
     with _progress("sections") as advance:
@@ -294,7 +212,7 @@ def plan(
     # what is known of the sections is said at once: beads and proof may take minutes
     warn(sections.notices)
     if sections.failed and not allow_failed:
-        write_report(sections, out)
+        report_alone(sections, out)
         check_complete(sections)
     typer.echo(f"sections: {summary_of_sections(sections)}")
     _ask(estimate_of(sections), read.source, yes=yes)
@@ -305,27 +223,46 @@ def plan(
         with _progress("proof") as advance:
             made.proof(progress=advance)
         warn(made.proof_notices)
-    written = write_plan(made, out, allow_failed=allow_failed, step=step, dxf=dxf, proof=proof)
+    written = write_plan(made, out, write=writers, allow_failed=allow_failed, proof=proof)
     say(made, proof=proof)
     typer.echo("written: " + ", ".join(str(path) for path in written))
+
+
+@functools.cache
+def _plan_command() -> Any:
+    """The command `plan` with an option for every parameter of a process."""
+    from .options import process_options
+
+    own = inspect_signature(plan, eval_str=True)
+    named = [one for one in own.parameters.values() if one.kind is not Parameter.VAR_KEYWORD]
+    part, *others = (one.replace(kind=Parameter.KEYWORD_ONLY) for one in named)
+    plan.__signature__ = own.replace(parameters=[part, *process_options(), *others])  # type: ignore[attr-defined]
+    alone = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+    alone.command("plan", cls=PlanCommand)(plan)
+    return typer.main.get_command(alone)
+
+
+class PlanCommand(typer.core.TyperCommand):
+    """Plan, with all patterns and writers in its help, which are looked for only then."""
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        from .help import plan_help
+
+        self.help = plan_help()
+        super().format_help(ctx, formatter)
 
 
 def _process(path: Path | None, given: dict[str, Any]) -> Any:
     from brep_slicer.process import process_from_values, read_process
 
+    from .options import process_values
+
+    values = process_values(given)
     if path is not None:
-        return read_process(path, **given)
-    if given["layer_thickness"] is None or given["step_over"] is None:
+        return read_process(path, **values)
+    if not {"layer_thickness", "step_over"} <= values.keys():
         raise InputError("layer thickness and step-over are required; give -t and -d, in mm, or a file with --process")
-    return process_from_values({}, source="options", **given)
-
-
-def _choice(option: str, value: str | None, name: str) -> Any:
-    if value is None:
-        return None
-    from brep_slicer import process
-
-    return process.choice(option, value, getattr(process, name))
+    return process_from_values({}, source="options", **values)
 
 
 def _ask(estimate: Any, source: str, *, yes: bool) -> None:
@@ -361,6 +298,28 @@ class _progress:
     def __exit__(self, *error: object) -> None:
         if self.bar is not None:
             self.bar.stop()
+
+
+@app.command()
+def init(
+    file: Annotated[Path, typer.Argument(help="Process file to write.", metavar="FILE.toml")] = Path("process.toml"),
+    layer_thickness: Annotated[float, typer.Option("-t", "--layer-thickness", help="Layer thickness t, mm.")] = 1.4,
+    step_over: Annotated[float, typer.Option("-d", "--step-over", help="Step-over d between bead centres, mm.")] = 3.4,
+    force: Annotated[bool, typer.Option("--force", help="Write over files that are there.")] = False,
+) -> None:
+    """Write a process file with a comment on every parameter, and beside it the schema by which editors check it."""
+    from brep_slicer.output.atomic import ensure_folder, write_text
+    from brep_slicer.process.schema import schema_of_process
+    from brep_slicer.process.template import process_template
+
+    schema = file.with_suffix(".schema.json")
+    for path in (file, schema):
+        if path.exists() and not force:
+            raise InputError(f"{path}: this file is there already; --force writes over it")
+    text = process_template(layer_thickness, step_over, schema=f"./{schema.name}")
+    ensure_folder(file.parent)
+    for path, content in ((file, text), (schema, json.dumps(schema_of_process(), indent=1) + "\n")):
+        typer.echo(f"written: {write_text(path, content)}")
 
 
 @app.command()

@@ -53,11 +53,7 @@ def totals_in_words(plan: Plan, report: dict[str, Any]) -> str:
     which = f"numbers {first.index} to {last.index} at R" if last is not first else f"number {first.index} at R"
     radii = f"{first.radius:.6g} to {last.radius:.6g} mm" if last is not first else f"{first.radius:.6g} mm"
     catchment = report["catchment"]
-    powder = (
-        "not known without powder_feed_g_s and powder_density_g_cm3 in --process FILE.toml"
-        if catchment is None
-        else f"{100.0 * catchment:.3g} %"
-    )
+    powder = "not known without --powder-feed and --powder-density" if catchment is None else f"{100.0 * catchment:.3g} %"
     return (
         f"{counted(len(plan.layers), 'layer')} on R {plan.substrate.radius:.6g} mm, {which} {radii} ({plan.substrate.reason});"
         f" {counted(totals['beads'], 'bead')}, {in_words_of_length(totals['deposition_length_mm'])} deposited in"

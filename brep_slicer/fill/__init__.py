@@ -3,32 +3,33 @@
 In: a region, a pattern, the step-over. Out: beads in (kappa, v), in the order of deposition.
 """
 
-from .automatic import Automatic
 from .bead import Bead, BeadKind, LayerFill
-from .by_process import PatternChoice, fill_layer, pattern_of
-from .cladding import Helix, Rings
 from .closing import with_overlap, with_spread_starts
-from .contours import Contours
 from .cooling import CooledOrder, in_cool_order
+from .fill_layer import PatternChoice, fill_layer, pattern_of
 from .fill_region import fill_region
-from .flank import FlankFollowing, flank_direction
-from .hatch import Hatch
 from .metal import metal_of
 from .order import in_short_order
-from .pattern import Cell, CellFill, Pattern, PatternSequence
-from .skeleton import Skeleton
+from .pattern import AreaFill, FillArea, Pattern, PatternSequence
+from .patterns.auto import Automatic
+from .patterns.contours import Contours
+from .patterns.flank import FlankFollowing, flank_direction
+from .patterns.hatch import Hatch
+from .patterns.helix import Helix
+from .patterns.rings import Rings
+from .patterns.skeleton import Skeleton
+from .patterns.spiral import Spiral
+from .patterns.zigzag import Zigzag
 from .spacing import with_speed_by_spacing
-from .spiral import Spiral
-from .zigzag import Zigzag
 
 __all__ = [
+    "AreaFill",
     "Automatic",
     "Bead",
     "BeadKind",
-    "Cell",
-    "CellFill",
     "Contours",
     "CooledOrder",
+    "FillArea",
     "FlankFollowing",
     "Hatch",
     "Helix",

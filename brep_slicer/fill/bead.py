@@ -84,7 +84,7 @@ class LayerFill:
     `patterns` were chosen and why ("" where none had to be), the `metal` of the beads within the outline over what the piece
     holds, what they lay `beyond` it (over the same), how far inside of the outline what the inner pattern has to fill begins
     (`border`, mm), the `shapes` that areas are measured on, and the first piece whose beads are the same but for a turn about
-    the axis (`copies`; its own number if there is none).
+    the axis (`copies`; its own number if there is none). Beads that are not `turnable` keep their directions.
     """
 
     beads: tuple[Bead, ...]
@@ -97,6 +97,7 @@ class LayerFill:
     border: tuple[float, ...] = ()
     shapes: tuple[Shape, ...] = ()
     copies: tuple[int, ...] = ()
+    turnable: bool = True
 
     def __repr__(self) -> str:
         length = sum(bead.length() for bead in self.beads)

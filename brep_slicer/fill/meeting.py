@@ -20,7 +20,7 @@ from brep_slicer.maps import Array
 
 from .distance import Outline
 from .metal import ROUND_END
-from .pattern import Cell
+from .pattern import FillArea
 
 # A line is left this much of its length (in widths) at least, however near the borders that it ends at.
 LEAST_LEFT = 0.25
@@ -56,38 +56,38 @@ def ends_from_contour(slant: Array, step_over: float, width: float) -> Array:
     return np.maximum(np.minimum(filled, covered), nearest_end(step_over, width))
 
 
-def drawn_back(cells: Sequence[Cell], points: Array, along: Array) -> Array:
+def drawn_back(areas: Sequence[FillArea], points: Array, along: Array) -> Array:
     """Lines (n, 2, 2) that end as near to the contour as any may, along the unit vector, drawn back by their slants."""
-    cell = cells[0]
+    area = areas[0]
     if not len(points):
         return points
     flat = np.concatenate([points[:, 0], points[:, 1]])
-    _, away = Outline([c.piece for c in cells], abs(cell.inset) + cell.step_over).distances(flat)
+    _, away = Outline([c.piece for c in areas], abs(area.inset) + area.step_over).distances(flat)
     slant = np.clip(np.abs(away @ along), LEAST_SLANT, 1.0)
-    back = (ends_from_contour(slant, cell.step_over, cell.width) - nearest_end(cell.step_over, cell.width)) / slant
+    back = (ends_from_contour(slant, area.step_over, area.width) - nearest_end(area.step_over, area.width)) / slant
     back = back.reshape(2, -1)
     length = (points[:, 1] - points[:, 0]) @ along
-    most = np.maximum(length - LEAST_LEFT * cell.width, 0.0)
+    most = np.maximum(length - LEAST_LEFT * area.width, 0.0)
     back *= np.minimum(1.0, most / np.maximum(back.sum(axis=0), 1e-300))
     return points + np.stack([back[0], -back[1]], axis=1)[:, :, None] * along
 
 
-def with_room(cell: Cell, points: Array) -> NDArray[np.bool_]:
+def with_room(area: FillArea, points: Array) -> NDArray[np.bool_]:
     """Which lines (n, 2, 2) to keep: not those left without room between their borders, if contours and neighbours cover it."""
     import shapely
 
     kept = np.ones(len(points), dtype=bool)
-    tight = np.flatnonzero(np.hypot(*(points[:, 1] - points[:, 0]).T) <= (1.0 + LEAST_SLANT) * LEAST_LEFT * cell.width)
+    tight = np.flatnonzero(np.hypot(*(points[:, 1] - points[:, 0]).T) <= (1.0 + LEAST_SLANT) * LEAST_LEFT * area.width)
     if not len(tight):
         return kept
-    closure = cell.piece.closure
-    contours = [shapely.LineString(closure.moved(bead.points, k)) for bead in cell.laid for k in cell.piece.beside]
+    closure = area.piece.closure
+    contours = [shapely.LineString(closure.moved(bead.points, k)) for bead in area.laid for k in area.piece.beside]
     lines = np.array([*shapely.linestrings(points), *contours])
-    tree, half, present = shapely.STRtree(lines), 0.5 * cell.width, np.ones(len(lines), dtype=bool)
+    tree, half, present = shapely.STRtree(lines), 0.5 * area.width, np.ones(len(lines), dtype=bool)
     for i in tight.tolist():
-        near = tree.query(lines[i], predicate="dwithin", distance=cell.width)
+        near = tree.query(lines[i], predicate="dwithin", distance=area.width)
         near = near[present[near] & (near != i)]
         bare = lines[i].buffer(half).difference(shapely.union_all(shapely.buffer(lines[near], half)))
-        if bare.area <= (BARE_SPOT * cell.width) ** 2:
+        if bare.area <= (BARE_SPOT * area.width) ** 2:
             kept[i] = present[i] = False
     return kept

@@ -5,21 +5,27 @@ In: a Toolpath and what was planned. Out: files; the JSON reads back to the same
 
 from __future__ import annotations
 
-import contextlib
 import json
+import os
 import shutil
 import tempfile
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 import numpy as np
 
 from brep_slicer.errors import InputError
 from brep_slicer.maps import Array
+from brep_slicer.planning.report import header_of_plan
 from brep_slicer.toolpath import COLUMNS, KINDS, Toolpath
 
 from .atomic import write_whole
 
+if TYPE_CHECKING:
+    from brep_slicer.planning import Plan
+
+# What a plan keeps its tables under, between their two writers.
+TABLES = "toolpath tables"
 FORMAT = "brep_slicer toolpath 1"
 # Rows in words at a time: a kilobyte each for as long, however long the toolpath is.
 ROWS_AT_ONCE = 50_000
@@ -29,16 +35,54 @@ COPIED_AT_ONCE = 1_000_000
 UNITS = {"x": "mm", "y": "mm", "z": "mm", "kappa": "mm", "v": "mm", "radius": "mm", "speed": "mm/s"}
 
 
-def write_tables(toolpath: Toolpath, header: dict[str, Any], folder: Path) -> tuple[Path, Path]:
-    """Write toolpath.csv, one line of names and one line a point, and toolpath.json, the same as columns; their paths.
+class Tables:
+    """A toolpath as toolpath.csv and as toolpath.json, put into words once if both are written, the table first.
 
-    Both are made at once, since to find the shortest text of a number takes most of the time, and some rows at a time: the
-    columns wait in files without a name until the last row is there.
+    To find the shortest text of a number takes most of the time: while the table is written, some rows at a time, the columns
+    in words go into files without a name, and wait there for toolpath.json, or for `close`.
     """
-    with contextlib.ExitStack() as open_files:
-        columns = {name: open_files.enter_context(_spool(folder)) for name in COLUMNS}
-        table = write_whole(folder / "toolpath.csv", lambda path: _write_rows(toolpath, path, columns))
-        return table, write_whole(folder / "toolpath.json", lambda path: _write_columns(header, path, columns))
+
+    def __init__(self, toolpath: Toolpath, header: dict[str, Any]) -> None:
+        self.toolpath, self.header = toolpath, header
+        self._columns: dict[str, TextIO] = {}
+
+    def write_csv(self, folder: Path) -> Path:
+        """Write toolpath.csv, one line of names and one line a point."""
+        return write_whole(folder / "toolpath.csv", lambda path: self._put_into_words(path, folder))
+
+    def write_json(self, folder: Path) -> Path:
+        """Write toolpath.json, the same as columns."""
+        try:
+            if not self._columns:
+                self._put_into_words(Path(os.devnull), folder)
+            return write_whole(folder / "toolpath.json", lambda path: _write_columns(self.header, path, self._columns))
+        finally:
+            self.close()
+
+    def close(self) -> None:
+        """Let go of what waits."""
+        for column in self._columns.values():
+            column.close()
+        self._columns = {}
+
+    def _put_into_words(self, path: Path, folder: Path) -> None:
+        self.close()
+        self._columns = {name: _spool(folder) for name in COLUMNS}
+        try:
+            _write_rows(self.toolpath, path, self._columns)
+        except BaseException:
+            self.close()
+            raise
+
+
+def tables_of_plan(plan: Plan) -> Tables:
+    """The tables of a plan, the same for both of their writers."""
+    return plan.once(TABLES, lambda: Tables(plan.toolpath, header_of_plan(plan)))  # type: ignore[no-any-return]
+
+
+def close_tables(plan: Plan) -> None:
+    """Let go of what waits for a second writer that is not asked for."""
+    tables_of_plan(plan).close()
 
 
 def _spool(folder: Path) -> TextIO:

@@ -61,14 +61,14 @@ def estimate_of(sections: PlanSections) -> Estimate:
     chord of an arc with that sagitta.
     """
     process = sections.process
-    d, chord = process.step_over, float(process.value("chord"))
+    d, chord = process.step_over, process.chord
     areas, outlines, radii, pieces = (
         np.array([(x.area, x.region.length, x.radius, len(x.region.pieces)) for x in sections.layers], dtype=float)
         .reshape(-1, 4)
         .T
     )
     length = areas / d
-    beads = outlines / (math.pi * d) + process.contours * pieces
+    beads = outlines / (math.pi * d) + process.fill.contours * pieces
     points = length / np.sqrt(8.0 * radii * chord) + TRAVEL_POINTS * beads
     total = float(points.sum())
     return Estimate(

@@ -24,6 +24,8 @@ from brep_slicer.wording import counted, in_words_of_length, shortened
 from .report import report_of_plan
 
 Progress = Callable[[int, int], None]
+# What a plan keeps its proof under.
+PROOF = "proof"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -70,7 +72,7 @@ class Plan(PlanSections):
 
     fills: tuple[LayerFill, ...]
     toolpath: Toolpath
-    _proven: list[dict[str, Any]] = field(init=False, repr=False, default_factory=list)
+    _kept: dict[str, Any] = field(init=False, repr=False, default_factory=dict)
 
     def __repr__(self) -> str:
         laid = float(self.toolpath.segment_lengths()[self.toolpath.deposits].sum())
@@ -78,9 +80,17 @@ class Plan(PlanSections):
         return f"Plan({self._in_short()}, {beads}, {in_words_of_length(laid)}, {counted(len(self.notices), 'warning')})"
 
     def report(self) -> dict[str, Any]:
-        """Everything that report.json says, as plain values."""
+        """Everything that report.json says, as plain values; with how even the metal is, where that was proved."""
         report = report_of_plan(self, self.fills, self.toolpath)
-        return {**report, "notices": [*report["notices"], *(notice.as_dict() for notice in self.proof_notices)]}
+        if not self.proven:
+            return report
+        notices = [*report["notices"], *(notice.as_dict() for notice in self.proof_notices)]
+        return {**report, "notices": notices, "proof": self.proof()}
+
+    @property
+    def proven(self) -> bool:
+        """Whether it was worked out how even the metal is."""
+        return PROOF in self._kept
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -90,23 +100,32 @@ class Plan(PlanSections):
     @property
     def proof_notices(self) -> tuple[Notice, ...]:
         """What the proof warns of; nothing as long as `proof` was not called."""
-        if not self._proven:
+        if not self.proven:
             return ()
         from brep_slicer.proof import notices_of_proof
 
-        return notices_of_proof(self._proven)
+        return notices_of_proof(self.proof())
 
     def proof(self, progress: Progress | None = None) -> list[dict[str, Any]]:
         """How even the metal is, a row a layer: coverage, simulated deposit, step-over on the emitted points, duty.
 
         It is worked out once; `progress` is called with (layers done, layers in all).
         """
-        if not self._proven:
-            from brep_slicer.proof import proof_of_layers
+        return list(self.once(PROOF, lambda: self._prove(progress)))
 
-            pairs = list(zip(self.layers, self.fills, strict=True))
-            width, step_over = self.process.width, self.process.step_over
-            self._proven.extend(
-                proof_of_layers(pairs, self.toolpath, self.axis, width=width, step_over=step_over, progress=progress)
-            )
-        return list(self._proven)
+    def _prove(self, progress: Progress | None) -> list[dict[str, Any]]:
+        from brep_slicer.proof import proof_of_layers
+
+        pairs = list(zip(self.layers, self.fills, strict=True))
+        width, step_over = self.process.width, self.process.step_over
+        return proof_of_layers(pairs, self.toolpath, self.axis, width=width, step_over=step_over, progress=progress)
+
+    def once(self, what: str, make: Callable[[], Any]) -> Any:
+        """What follows from the plan and takes long: made when it is first asked for, and kept under a name."""
+        if what not in self._kept:
+            self._kept[what] = make()
+        return self._kept[what]
+
+    def forget(self, what: str) -> None:
+        """Let go of what is kept under a name."""
+        self._kept.pop(what, None)

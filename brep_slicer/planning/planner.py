@@ -114,7 +114,7 @@ def fill_layers(sections: PlanSections, *, pattern: PatternChoice | None = None,
         if progress is not None:
             progress(len(fills), len(sections.layers))
     _check_beads(sections, fills)
-    deposits = _deposits(sections.layers, fills, process.by_feature)
+    deposits = _deposits(sections.layers, fills, process.fill.by_feature)
     toolpath = lift_layers(deposits, motion_of(process), sections.axis, _standing(sections))
     inherited = {f.name: getattr(sections, f.name) for f in fields(PlanSections)}
     inherited["notices"] = (*sections.notices, *notices_of_fills(sections.layers, fills, process))
@@ -149,7 +149,7 @@ def _check_beads(sections: PlanSections, fills: Sequence[LayerFill]) -> None:
     if any(fill.beads for fill in fills) or not sections.layers:
         return
     raise PlanningError(
-        f"{sections.part.source}: no bead fits into any layer, {sections.process.value('inset'):.4g} mm inside of its outline;"
+        f"{sections.part.source}: no bead fits into any layer, {sections.process.inset:.4g} mm inside of its outline;"
         " make the bead narrower (-w), the inset smaller (--inset) or the step-over smaller (-d)"
     )
 
@@ -175,14 +175,14 @@ def _deposits(layers: Sequence[Layer], fills: Sequence[LayerFill], by_feature: b
 def motion_of(process: Process) -> Motion:
     """Speeds and distances of the nozzle's motion."""
     return Motion(
-        deposition_speed=process.value("deposition_speed_mm_s"),
-        travel_speed=process.value("travel_speed_mm_s"),
-        clearance=process.value("clearance"),
-        hop_length=process.value("hop_length"),
-        chord=process.value("chord"),
+        deposition_speed=process.deposition_speed,
+        travel_speed=process.travel_speed,
+        clearance=process.clearance,
+        hop_length=process.hop_length,
+        chord=process.chord,
         margin=0.5 * process.width,
-        lead_in=process.lead_in,
-        lead_out=process.lead_out,
-        laser_on_delay=process.laser_on_delay,
-        laser_off_delay=process.laser_off_delay,
+        lead_in=process.motion.lead_in,
+        lead_out=process.motion.lead_out,
+        laser_on_delay=process.laser.on_delay,
+        laser_off_delay=process.laser.off_delay,
     )

@@ -89,7 +89,7 @@ def summary_of_sections(plan: PlanSections) -> str:
 
 def powder_mass(plan: PlanSections, seconds: float) -> float | None:
     """Powder fed while depositing, g; None without a feed rate."""
-    feed = plan.process.powder_feed_g_s
+    feed = plan.process.powder.feed_g_s
     return None if feed is None else feed * seconds
 
 

@@ -59,7 +59,7 @@ def cut_layers(
     outermost = max(features.values(), default=0.0)
     if outermost <= chosen.radius:
         raise PlanningError(f"{part.source}: nothing stands beyond the substrate, R {chosen.radius:.6g} mm; give a smaller one")
-    highest = outermost + process.allowance
+    highest = outermost + process.layers.allowance
     _check_step_over(part, process, highest)
     noise = max(noise_of_outermost(s) for s in solids if features.get(s.index) == outermost)
     stack = stack_layers(chosen.radius, highest, process, noise=noise)
@@ -153,14 +153,14 @@ def _cut(
         slice_with_allowance(
             solids,
             radii,
-            allowance=process.allowance,
+            allowance=process.layers.allowance,
             lowest=substrate.radius,
-            chord=process.value("chord"),
+            chord=process.chord,
             engine=engine,
             substrate_solids=substrate.solids,
             progress=done,
         )
-        if process.allowance
+        if process.layers.allowance
         else slice_solids(solids, radii, engine=engine, substrate_solids=substrate.solids, progress=done)
     )
     out: list[Layer | FailedLayer] = []

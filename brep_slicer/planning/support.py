@@ -67,7 +67,7 @@ class _Support:
         return overhang_of(above, [*below, *standing], reach=self._reach)
 
     def _draw(self, layer: Layer) -> DrawnRegion:
-        return drawn_region(layer.region, chord=self._plan.process.value("chord"))
+        return drawn_region(layer.region, chord=self._plan.process.chord)
 
     def _below(self, index: int) -> list[DrawnRegion] | None:
         """What the stack holds below a layer; None where that is not known."""

@@ -47,7 +47,7 @@ def notices_of_sections(layers: Sequence[Layer], failed: Sequence[FailedLayer], 
     notices += [
         _of_layer(NoticeKind.OUTLINE, layer, OUTLINE_TEXT, error_mm=layer.certificate.bound)
         for layer in layers
-        if layer.certificate.bound > OUTLINES_SHARE * process.value("chord")
+        if layer.certificate.bound > OUTLINES_SHARE * process.chord
     ]
     notices += _lying_over_themselves(layers, process)
     if process.width < process.step_over:
@@ -77,7 +77,7 @@ def _lying_over_themselves(layers: Sequence[Layer], process: Process) -> list[No
     )
     out = []
     for layer in layers:
-        area = overlapping_area(layer.region, chord=process.value("chord"))
+        area = overlapping_area(layer.region, chord=process.chord)
         if area > 0.0:
             out.append(_of_layer(NoticeKind.OVER_ITSELF, layer, text, overlap_mm2=area))
     return out

@@ -6,41 +6,34 @@ In: which ones, and what is different there. Out: frozen Rule values.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 from brep_slicer.errors import InputError
 from brep_slicer.wording import shortened
 
-from .taken import Taken, default
-from .values import as_written, check_names, layer_range, positive, switch, whole
+from .former import RENAMED
+from .groups import Fill
+from .parameter import Declared, as_written, check_names, declarations_of, parameter
+from .taken import Taken
+from .values import layer_range
 
-RULED = (
-    "pattern",
-    "contours",
-    "contours_outwards",
-    "hatch",
-    "hatch_angles_deg",
-    "hatch_angle_step_deg",
-    "both_ways",
-    "stretch",
-    "overlap",
-    "starts",
-    "left_handed",
-    "closing_rings",
-    "start_angle_deg",
-)
-# What a rule has beside its changes: where it holds.
-WHERE = ("layers", "every", "narrower_than", "winds")
+# What a rule may change: the parameters of `fill` that go by piece.
+RULED = tuple(name for name, one in declarations_of(Fill).items() if one.by_piece)
+WHAT_RULED = "process parameter that a rule may change"
 Layers = tuple[int | None, int | None]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Rule:
+def _layers(name: str, value: Any) -> Layers:
+    return layer_range(name, value)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Rule(Declared):
     """Other fill parameters for some layers and pieces.
 
     It holds on layers from the first of `layers` to before the second (None: no end; or a text "a:b"), on every so many of
-    them, for pieces nowhere wider than `narrower_than` (mm) and, if `winds` is given, only for those that do, or do not, go
+    them, for pieces nowhere wider than `narrower_than` (mm) and, if `full_turn` is given, only for those that do, or do not, go
     all the way round.
     `changes` are the parameters that differ there, of those in RULED.
 
@@ -51,10 +44,16 @@ class Rule:
     """
 
     changes: Mapping[str, Any]
-    layers: Taken[Layers, Layers | Sequence[int | None] | str] = default((None, None))
-    every: int = 1
-    narrower_than: float | None = None
-    winds: bool | None = None
+    layers: Taken[Layers, Layers | Sequence[int | None] | str] = parameter(
+        (None, None), kind="layers", check=_layers, help="The layers it holds on, as 'a:b', from a to before b"
+    )
+    every: int = parameter(1, least=1, help="It holds on every so many of them")
+    narrower_than: float | None = parameter(
+        None, unit="mm", above=0.0, example=8.0, assumed="however wide", help="It holds for pieces nowhere wider than this"
+    )
+    full_turn: bool | None = parameter(
+        None, kind=bool, example=True, assumed="for both", help="It holds for pieces that do, or do not, go all the way round"
+    )
 
     def __new__(cls, *args: Any, **given: Any) -> Rule:
         """Names that a rule does not have are told of with what to write instead."""
@@ -62,26 +61,26 @@ class Rule:
         if inside:
             text = shortened(f"changes={{{inside[0]!r}: {given[inside[0]]!r}}}")
             raise InputError(f"a rule has {inside[0]} among its changes; write {text}")
-        check_names(given, ("changes", *WHERE), "field of a rule")
+        check_names(given, ("changes", *WHERE), "field of a rule", {"winds": "it is full_turn now"})
         return object.__new__(cls)
 
     def __post_init__(self) -> None:
         if not isinstance(self.changes, Mapping):
             raise InputError(f"a rule's changes is {self.changes!r}; give names and values, as {{'contours': 2}}")
-        check_names(self.changes, RULED, "process parameter that a rule may change")
+        check_names(self.changes, RULED, WHAT_RULED, RENAMED)
         if not self.changes:
             raise InputError(f"a rule changes nothing; it may change {', '.join(RULED)}")
-        object.__setattr__(self, "layers", layer_range("layers", self.layers))
-        if whole("every", self.every) < 1:
-            raise InputError(f"a rule's every is {self.every}; it must be 1 or more")
-        if self.narrower_than is not None:
-            positive("narrower_than", self.narrower_than)
-        if self.winds is not None:
-            switch("winds", self.winds)
+        try:
+            Declared.__post_init__(self)
+            checks = declarations_of(Fill)
+            checked = {name: checks[name].checked(name, value) for name, value in self.changes.items()}
+        except InputError as error:
+            raise InputError(f"in a rule: {error}") from None
+        object.__setattr__(self, "changes", checked)
 
     def __repr__(self) -> str:
         where = [f"{name} {value}" for name, value in self.as_dict().items() if name in WHERE and (name, value) != ("every", 1)]
-        changes = ", ".join(f"{name}={as_written(name, value)!r}" for name, value in self.changes.items())
+        changes = ", ".join(f"{name}={as_written(value)!r}" for name, value in self.changes.items())
         return f"Rule({', '.join(where)}: {shortened(changes, 120)})"
 
     def on_layer(self, layer: int) -> bool:
@@ -92,11 +91,12 @@ class Rule:
     def as_dict(self) -> dict[str, Any]:
         """Plain values, as in a process file."""
         out: dict[str, Any] = {"layers": ":".join("" if n is None else str(n) for n in self.layers), "every": self.every}
-        if self.narrower_than is not None:
-            out["narrower_than"] = self.narrower_than
-        if self.winds is not None:
-            out["winds"] = self.winds
-        return out | {name: as_written(name, value) for name, value in self.changes.items()}
+        out |= {name: getattr(self, name) for name in ("narrower_than", "full_turn") if getattr(self, name) is not None}
+        return out | {name: as_written(value) for name, value in self.changes.items()}
+
+
+# What a rule has beside its changes: where it holds.
+WHERE = tuple(one.name for one in fields(Rule) if one.name != "changes")
 
 
 def as_rule(value: Any) -> Rule:
@@ -113,5 +113,5 @@ def as_rule(value: Any) -> Rule:
         raise InputError(f"rules is {value!r}; write each rule as a table, under [[rules]] (in Python a Rule or a dict)")
     where = {name: given for name, given in value.items() if name in WHERE}
     changes = {name: given for name, given in value.items() if name not in (*WHERE, "changes")}
-    check_names(changes, (*RULED, *WHERE), "process parameter that a rule may change")
+    check_names(changes, (*RULED, *WHERE), WHAT_RULED, {"winds": "it is full_turn now"} | RENAMED)
     return Rule(changes={**value.get("changes", {}), **changes}, **where)

@@ -5,15 +5,15 @@ In: values from anywhere. Out: the same, checked, or an InputError that names th
 
 from __future__ import annotations
 
-import difflib
 import enum
 import itertools
 import math
 import operator
 from collections.abc import Iterable, Sequence
-from typing import Any, Literal
+from typing import Any
 
 from brep_slicer.errors import InputError
+from brep_slicer.wording import nearest_name
 
 
 class LastLayer(enum.Enum):
@@ -25,25 +25,7 @@ class LastLayer(enum.Enum):
     AUTO = "auto"
 
 
-class InnerPattern(enum.Enum):
-    """What fills a layer inside of its contours."""
-
-    AUTO = "auto"
-    HATCH = "hatch"
-    ZIGZAG = "zigzag"
-    FLANK = "flank"
-    CONTOURS = "contours"
-    SPIRAL = "spiral"
-    SKELETON = "skeleton"
-    RINGS = "rings"
-    HELIX = "helix"
-
-
-# The same words for type checkers.
-PatternName = Literal["auto", "hatch", "zigzag", "flank", "contours", "spiral", "skeleton", "rings", "helix"]
-
-
-class Fit(enum.Enum):
+class OutlinePosition(enum.Enum):
     """Where the centre of the outermost bead runs: half a bead inside of the outline, on it, or half a bead outside."""
 
     IN = "in"
@@ -67,28 +49,6 @@ class CutAt(enum.Enum):
 
 # No machine moves slower or faster than these (mm/s), and times worked out of them stay finite.
 SLOWEST_SPEED, FASTEST_SPEED = 1e-6, 1e6
-
-
-def as_written(name: str, value: Any) -> Any:
-    """A parameter's plain value in a process file: strings for enums, lists for tuples."""
-    if name == "rules":
-        return [rule.as_dict() for rule in value]
-    if isinstance(value, enum.Enum):
-        return value.value
-    return list(value) if isinstance(value, tuple) else value
-
-
-def check_names(given: Iterable[str], known: Sequence[str], what: str) -> None:
-    """Refuse the first name that is none of `known`, with the one that is nearest to it."""
-    wrong = next((name for name in given if name not in known), None)
-    if wrong is None:
-        return
-    # an angle without its unit is not a slip of the pen: the number is likely meant in radians
-    in_degrees = f"{wrong}_deg"
-    near = [in_degrees] if in_degrees in known else difflib.get_close_matches(wrong, known, n=1, cutoff=0.6)
-    unit = " (in degrees)" if near == [in_degrees] else ""
-    mend = f"did you mean {near[0]}{unit}?" if near else f"known are {', '.join(sorted(known))}"
-    raise InputError(f"{wrong} is no {what}; {mend}")
 
 
 def listed(name: str, value: Any) -> tuple[Any, ...]:
@@ -147,7 +107,10 @@ def choice(name: str, value: Any, kind: type[enum.Enum]) -> Any:
     try:
         return kind(value)
     except ValueError:
-        raise InputError(f"{name} is {value!r}; it must be one of {', '.join(e.value for e in kind)}") from None
+        words = [str(e.value) for e in kind]
+        near = nearest_name(value, words) if isinstance(value, str) else None
+        mend = f" (did you mean {near}?)" if near is not None else ""
+        raise InputError(f"{name} is {value!r}; it must be one of {', '.join(words)}{mend}") from None
 
 
 def layer_range(name: str, value: Any) -> tuple[int | None, int | None]:
@@ -177,4 +140,10 @@ def whole(name: str, value: Any) -> int:
 def switch(name: str, value: Any) -> bool:
     if not isinstance(value, bool):
         raise InputError(f"{name} is {value!r}; it must be true or false (True or False in Python)")
+    return value
+
+
+def text(name: str, value: Any) -> str:
+    if not isinstance(value, str):
+        raise InputError(f"{name} is {value!r}; it must be a text")
     return value

@@ -62,11 +62,11 @@ def stack_layers(substrate: float, highest: float, process: Process, *, noise: f
         If no layer is left.
     """
     height = highest - substrate
-    given = process.radii is not None
+    given = process.layers.radii is not None
     stack = _given_radii(substrate, highest, process) if given else _stacked(substrate, height, process, noise)
     if not stack.radii:
         raise PlanningError("no layer is left to build; make the layers thinner or keep the last one")
-    if process.cut_at is CutAt.MIDDLE:
+    if process.layers.cut_at is CutAt.MIDDLE:
         cut = tuple(r + 0.5 * t for r, t in zip(stack.radii, stack.thicknesses, strict=True))
         stack = replace(stack, cut_radii=cut)
     return stack
@@ -88,7 +88,7 @@ def _stacked(substrate: float, height: float, process: Process, noise: float) ->
         total = len(thicknesses) * first if not isinstance(process.layer_thickness, tuple) else math.fsum(thicknesses)
     notes: tuple[str, ...] = ()
     if total - height > HEIGHT_BAND:
-        thicknesses, notes = _last_layer(thicknesses, height, total, process.last_layer, noise)
+        thicknesses, notes = _last_layer(thicknesses, height, total, process.layers.last_layer, noise)
     constant = len(set(thicknesses)) <= 1
     radii = tuple(substrate + (i * thicknesses[0] if constant else math.fsum(thicknesses[:i])) for i in range(len(thicknesses)))
     over = math.fsum(thicknesses) - height
@@ -127,7 +127,7 @@ def _last_layer(
 
 
 def _given_radii(substrate: float, highest: float, process: Process) -> LayerStack:
-    radii = process.radii
+    radii = process.layers.radii
     assert radii is not None
     outside = [r for r in radii if r >= highest - HEIGHT_BAND]
     if outside:

@@ -46,7 +46,7 @@ def lines_and_polygons(regions):
 
 
 def test_filling_against_shapely(regions, capsys):
-    pattern = Hatch(angle=ANGLE)
+    pattern = Hatch(angle_deg=math.degrees(ANGLE))
     fill_region(regions[0], pattern, **ARGS)
     whole, fills = timed(lambda: [fill_region(region, pattern, **ARGS) for region in regions])
     beads = sum(len(fill.beads) for fill in fills)
@@ -84,7 +84,7 @@ def timed(function):
 def test_travel_against_a_solver(regions, capsys):
     solver = pytest.importorskip("ortools.constraint_solver.pywrapcp", reason="pip install ortools for this comparison")
     region = regions[30]
-    beads = fill_region(region, Hatch(angle=ANGLE), **{**ARGS, "step_over": 3.0}).beads
+    beads = fill_region(region, Hatch(angle_deg=math.degrees(ANGLE)), **{**ARGS, "step_over": 3.0}).beads
     start = time.perf_counter()
     ordered = in_short_order(beads, region.closure)
     took = time.perf_counter() - start

@@ -34,7 +34,7 @@ plan = fill_layers(sections)
 filled = time.process_time()
 before = peak()
 with tempfile.TemporaryDirectory() as folder:
-    write_plan(plan, folder, allow_failed=True, pictures={pictures!r})
+    write_plan(plan, folder, allow_failed=True, write={write!r})
     size = sum(file.stat().st_size for file in pathlib.Path(folder).iterdir()) / 1e6
 print(json.dumps({{
     "layers": len(plan.layers), "beads": sum(len(fill.beads) for fill in plan.fills), "points": len(plan.toolpath),
@@ -48,7 +48,8 @@ import brep_slicer as bs
 part = bs.read_step({path!r})
 found = {{}}
 for order in ("shortest", "pattern"):
-    plan = bs.plan(part, bs.Process(layer_thickness={thickness!r}, step_over={step_over!r}, order=order), allow_failed=True)
+    process = bs.Process(layer_thickness={thickness!r}, step_over={step_over!r}, fill={{"order": order}})
+    plan = bs.plan(part, process, allow_failed=True)
     lengths, on = plan.toolpath.segment_lengths(), plan.toolpath.deposits
     found[order], found["laid"] = float(lengths[~on].sum()), float(lengths[on].sum())
 print(json.dumps(found))
@@ -78,13 +79,13 @@ def test_inspecting_against_importing_and_reading(name, tmp_path, capsys):
 @pytest.mark.parametrize("pictures", [False, True], ids=["without pictures", "with pictures"])
 def test_a_propeller_of_200_layers_against_its_sections(pictures, capsys):
     path = real("propeller_3blade_hub_openaxis.step")
-    found = run(STAGES, path=path, process={"layer_thickness": 1.0, "step_over": 1.0}, pictures=pictures)
+    found = run(STAGES, path=path, process={"layer_thickness": 1.0, "step_over": 1.0}, write=None if pictures else "csv,json")
     report(capsys, "propeller_3blade_hub", found)
 
 
 def test_a_large_plan_of_a_shaft_against_its_sections(tmp_path, capsys):
     # splines filled at a third of a millimetre: what is written is streamed, and takes no memory of its own
-    found = run(STAGES, path=long_shaft(tmp_path), process={"layer_thickness": 1.0, "step_over": 0.35}, pictures=False)
+    found = run(STAGES, path=long_shaft(tmp_path), process={"layer_thickness": 1.0, "step_over": 0.35}, write="csv,json")
     report(capsys, "shaft of 1,000 faces", found)
 
 

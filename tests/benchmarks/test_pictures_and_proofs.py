@@ -139,8 +139,13 @@ def auger(folder):
 @pytest.mark.parametrize(
     ("make", "process", "more", "runs"),
     [
-        (herringbone, {"layer_thickness": 1.4, "step_over": 2.0, "pattern": "flank"}, {"substrate": 45.0, "layers": (0, 4)}, 3),
-        (auger, {"layer_thickness": 1.0, "step_over": 1.5, "pattern": "spiral"}, {"substrate": 5.0}, 1),
+        (
+            herringbone,
+            {"layer_thickness": 1.4, "step_over": 2.0, "fill": {"pattern": "flank"}},
+            {"substrate": 45.0, "layers": (0, 4)},
+            3,
+        ),
+        (auger, {"layer_thickness": 1.0, "step_over": 1.5, "fill": {"pattern": "spiral"}}, {"substrate": 5.0}, 1),
         (long_shaft, {"layer_thickness": 1.0, "step_over": 1.0}, {}, 1),
     ],
     ids=["flank on a herringbone gear", "spiral on an auger", "shaft of 1,000 faces"],

@@ -24,7 +24,7 @@ T, D, W, R0 = 1.4, 3.4, 4.9, 150.0
 def main() -> None:
     part = bs.read_step("fixtures/step/helical_gear_tooth.step")
     layers = bs.slice_part(part, [150.0, 155.6, 161.2, 166.8, 172.4, 178.0, 182.2], axis=bs.axis_from_text("Z"))
-    pattern = Hatch(angle=math.radians(75.0))
+    pattern = Hatch(angle_deg=75.0)
     print("R mm\tspacing\tbare\theight/t\tvariation\t| in (theta, u): spacing\tbare\theight/t\tvariation")
     for layer in layers:
         figures = []

@@ -15,6 +15,7 @@ import numpy as np
 
 import brep_slicer as bs
 from brep_slicer.planning import Plan
+from brep_slicer.process import PATTERNS
 
 from .bits import bits_of_layer
 
@@ -62,7 +63,7 @@ def metal_by_piece(plan: Plan) -> list[Found]:
     """Each piece's metal: bits of beads, from the toolpath's points and speeds and the bead's profile, inside of outlines."""
     process = plan.process
     named = {(la, pi) for notice in plan.notices for la, pi in itertools.product(notice.layers, notice.pieces)}
-    sizes = {"step_over": process.step_over, "width": process.width, "usual": process.value("deposition_speed_mm_s")}
+    sizes = {"step_over": process.step_over, "width": process.width, "usual": process.deposition_speed}
     out = []
     for layer, fill in zip(plan.layers, plan.fills, strict=True):
         # which piece a bead was meant for, for what it lays beyond
@@ -72,7 +73,7 @@ def metal_by_piece(plan: Plan) -> list[Found]:
             inside, area = _inside(piece, bits.places), piece.area()
             share = float(bits.metal[inside].sum()) / area
             beyond = float(bits.metal[~inside & (meant[bits.bead] == number)].sum()) / area
-            if process.value("inset") < 0.499 * process.width:
+            if process.inset < 0.499 * process.width:
                 beyond = 0.0  # as the fit asks for
             out.append(Found(layer=layer.index, piece=number, share=share, beyond=beyond, named=(layer.index, number) in named))
     return out
@@ -94,20 +95,27 @@ def _inside(piece, places):
     return shapely.contains_xy(shape, closure.canonical(places, first))
 
 
+# The patterns that random plans are filled by.
+PATTERN_NAMES = PATTERNS.own()
+
+
 def random_plan(rng: np.random.Generator, parts=PARTS) -> tuple[str, Plan]:
     """A plan of a part, some of its layers, with random pattern, contours, fit, angle and order."""
     name, substrate, t, d = parts[rng.integers(len(parts))]
     path = FIXTURES / f"{name}.step"
     known = path.exists()
     settings = {
-        "pattern": str(rng.choice([p.value for p in bs.InnerPattern])),
+        "pattern": str(rng.choice(PATTERN_NAMES)),
         "contours": int(rng.choice([0, 0, 1, 1, 2])),
-        "fit": str(rng.choice(["in", "in", "on", "out"])),
-        "hatch_angles_deg": float(rng.choice([0.0, 90.0, rng.uniform(0.0, 180.0)])),
+        "outline_position": str(rng.choice(["in", "in", "on", "out"])),
+        "angle_deg": float(rng.choice([0.0, 90.0, rng.uniform(0.0, 180.0)])),
         "order": str(rng.choice(["shortest", "pattern"])),
         "step_over": d * float(rng.uniform(0.8, 1.25)),
     }
-    process = bs.Process(layer_thickness=t, **settings)
+    fill: dict[str, object] = {name: value for name, value in settings.items() if name not in ("step_over", "angle_deg")}
+    if settings["pattern"] in ("auto", "hatch", "zigzag"):
+        fill["pattern"] = {"name": settings["pattern"], "angle_deg": settings["angle_deg"]}
+    process = bs.Process(layer_thickness=t, step_over=settings["step_over"], fill=fill)
     first = int(rng.integers(*FIRST.get(name, (0, 3))))
     part = bs.read_step(path if known else name)
     made = bs.plan(part, process, axis="Z" if known else None, substrate=substrate, layers=(first, first + 2))

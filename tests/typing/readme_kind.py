@@ -16,26 +16,23 @@ def planned(path: Path) -> bs.Plan:
     process = bs.Process(
         layer_thickness=1.4,
         step_over=3.4,
-        contours=1,
-        pattern="hatch",
-        fit="in",
-        order="shortest",
-        hatch_angles_deg=(0, 45.0),
-        last_layer=bs.LastLayer.KEEP,
         rules=[{"layers": "0:2", "contours": 2}, bs.Rule(layers="2:", changes={"pattern": "zigzag"})],
+        fill=bs.Fill(contours=1, outline_position="in", order="shortest", pattern=bs.Hatch(angle_deg=(0, 45.0))),
+        motion={"chord": 0.01},
+        layers=bs.Layers(last_layer=bs.LastLayer.KEEP),
     )
     return bs.plan(part, process, axis="Z", layers="0:2")
 
 
 def main(path: Path) -> None:
     plan = planned(path)
-    pattern: bs.InnerPattern = plan.process.pattern
-    angles: tuple[float, ...] = plan.process.hatch_angles_deg
+    pattern: bs.Pattern = plan.process.fill.pattern
+    angles: tuple[float, ...] = pattern.angle_deg if isinstance(pattern, bs.Hatch) else ()
     for layer in plan.layers:
         area: float = layer.area
         certificate: bs.Certificate = layer.certificate
         print(layer.radius, area, certificate.engine.value, layer.region.pieces[0].area())
-    print(bs.__version__, pattern.value, angles, plan.toolpath.points.shape, sorted(plan.report()))
+    print(bs.__version__, pattern.name, angles, plan.toolpath.points.shape, sorted(plan.report()))
     axis: bs.Axis = bs.find_axis(plan.part)
     sections = bs.slice_part(plan.part, [160.0, 170.0], axis=axis, engine="analytic")
     radii: list[float] = [section.radius for section in sections]

@@ -1,6 +1,6 @@
-"""Hatch: parallel straight beads at an exact step-over and any angle, across the seam too.
+"""Parallel straight beads at an exact step-over and any angle, across the seam too.
 
-In: a cell. Out: beads that end at the cell's inset from the exact outline.
+In: an area. Out: beads that end at the area's inset from the exact outline.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ import shapely
 from brep_slicer.layers import Closure
 from brep_slicer.maps import TURN, Array
 
-from .bead import Bead, BeadKind
-from .distance import Outline, ends_at_inset
-from .full_turn import anchor_of, closing_lines, join_across_seam
-from .inset import Inset, edges_of, inset_piece
-from .meeting import beside, drawn_back, nearest_end, with_room
-from .pattern import Cell, CellFill, Pattern
-from .scanlines import cut_lines, directions
+from ..bead import Bead, BeadKind
+from ..distance import Outline, ends_at_inset
+from ..full_turn import anchor_of, closing_lines, join_across_seam
+from ..inset import Inset, edges_of, inset_piece
+from ..meeting import beside, drawn_back, nearest_end, with_room
+from ..pattern import AreaFill, FillArea
+from ..scanlines import cut_lines, directions
 
 # Beads lie on one line if they are no farther from it than this, mm.
 SAME_LINE = 1e-6
@@ -31,7 +31,7 @@ OF_THE_USUAL, LEVELS, HALVINGS = 0.25, 64, 24
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Hatch(Pattern):
+class ParallelLines:
     """Parallel beads at `angle` (rad, counter-clockwise from +kappa seen from outside), one way or both ways.
 
     The lines are centred on the piece, so that they turn with it; on a full turn they close by the rule of `full_turn`.
@@ -41,29 +41,28 @@ class Hatch(Pattern):
     of the axis frame), if that is given.
     """
 
-    turns_along = True
     angle: float = 0.0
     both_ways: bool = True
     stretch: float = 0.0
     start: float | None = None
 
-    def fill(self, cell: Cell) -> CellFill:
-        return self.fill_all([cell])[0]
+    def fill(self, area: FillArea) -> AreaFill:
+        return self.fill_all([area])[0]
 
-    def fill_all(self, cells: Sequence[Cell]) -> list[CellFill]:
+    def fill_all(self, areas: Sequence[FillArea]) -> list[AreaFill]:
         """All pieces of a layer that do not wind are cut by their lines at once."""
-        out = [CellFill(beads=(), inset=cell.inset, angle=self.angle, step_over=cell.step_over) for cell in cells]
-        rooms = [_room(cell) for cell in cells]
-        flat = [i for i, cell in enumerate(cells) if not cell.piece.winds and not rooms[i].ends.is_empty]
-        for i, cell in enumerate(cells):
-            if cell.piece.winds and not rooms[i].ends.is_empty:
-                out[i] = replace(self._round(rooms[i]), inset=cell.inset)
+        out = [AreaFill(beads=(), inset=area.inset, angle=self.angle, step_over=area.step_over) for area in areas]
+        rooms = [_room(area) for area in areas]
+        flat = [i for i, area in enumerate(areas) if not area.piece.winds and not rooms[i].ends.is_empty]
+        for i, area in enumerate(areas):
+            if area.piece.winds and not rooms[i].ends.is_empty:
+                out[i] = replace(self._round(rooms[i]), inset=area.inset)
         if not flat:
             return out
         edges = [edges_of(rooms[i].ends.polygons) for i in flat]
-        extents = [_extent(cells[i], *edges_of(rooms[i].lines.polygons), self.angle) for i in flat]
+        extents = [_extent(areas[i], *edges_of(rooms[i].lines.polygons), self.angle) for i in flat]
         spacing = np.array(
-            [_stretched(p, self.angle, cells[i].step_over, self.stretch) for i, p in zip(flat, extents, strict=True)]
+            [_stretched(p, self.angle, areas[i].step_over, self.stretch) for i, p in zip(flat, extents, strict=True)]
         )
         phase = np.array([_centred(p, self.angle, d) for p, d in zip(extents, spacing.tolist(), strict=True)])
         starts, ends = (np.concatenate([e[k] for e in edges]) for k in (0, 1))
@@ -73,35 +72,35 @@ class Hatch(Pattern):
         sharp = _sharp_ends([rooms[i] for i in flat], found.points, found.group, self.angle)
         for k, i in enumerate(flat):
             ends = sharp[cuts[k] : cuts[k + 1]]
-            if cells[i].meets_contour:
-                ends = ends[with_room(cells[i], ends)]
-            beads = self._beads(cells[i], ends, [False] * len(ends), self.angle, float(spacing[k]), float(phase[k]))
+            if areas[i].meets_contour:
+                ends = ends[with_room(areas[i], ends)]
+            beads = self._beads(areas[i], ends, [False] * len(ends), self.angle, float(spacing[k]), float(phase[k]))
             out[i] = replace(out[i], beads=beads, step_over=float(spacing[k]))
         return out
 
-    def _round(self, room: _Room) -> CellFill:
+    def _round(self, room: _Room) -> AreaFill:
         """A piece that winds: its lines close on themselves and go on across the seam."""
-        cell, inset = room.cell, room.ends
-        angle, spacing, k = closing_lines(inset.closure.length, self.angle, cell.step_over)
+        area, inset = room.area, room.ends
+        angle, spacing, k = closing_lines(inset.closure.length, self.angle, area.step_over)
         starts, ends = edges_of(inset.polygons)
-        extent = _extent(cell, *edges_of(room.lines.polygons), angle)
+        extent = _extent(area, *edges_of(room.lines.polygons), angle)
         if k == 0:
             spacing = _stretched(extent, angle, spacing, self.stretch)
-        phase = _phase(cell, extent, angle, spacing, k)
+        phase = _phase(area, extent, angle, spacing, k)
         if self.start is not None and k:
-            phase = float(_lower_edge(cell, inset, self.start / TURN) @ directions(angle)[1])
+            phase = float(_lower_edge(area, inset, self.start / TURN) @ directions(angle)[1])
         phase = _off_the_seam(phase, inset, angle, spacing)
         found = join_across_seam(cut_lines(starts, ends, angle=angle, spacing=spacing, phase=phase), inset, k)
         points, closed = np.array([p for p, _ in found]).reshape(-1, 2, 2), np.array([c for _, c in found], dtype=bool)
         group = np.zeros(int((~closed).sum()), dtype=int)
         points[~closed] = _sharp_ends([room], points[~closed], group, angle)
-        if cell.meets_contour:
-            kept = closed | with_room(cell, points)
+        if area.meets_contour:
+            kept = closed | with_room(area, points)
             points, closed = points[kept], closed[kept]
-        beads = self._beads(cell, points, closed.tolist(), angle, spacing, phase)
-        return CellFill(beads=beads, inset=cell.inset, angle=angle, step_over=spacing)
+        beads = self._beads(area, points, closed.tolist(), angle, spacing, phase)
+        return AreaFill(beads=beads, inset=area.inset, angle=angle, step_over=spacing)
 
-    def _beads(self, cell: Cell, points: Array, closed: list[bool], angle: float, spacing: float, phase: float):
+    def _beads(self, area: FillArea, points: Array, closed: list[bool], angle: float, spacing: float, phase: float):
         """In the order of the lines; with `both_ways`, every second line is run backwards."""
         _, across = directions(angle)
         number = np.round((points[:, 0] @ across - phase) / spacing).astype(int)
@@ -110,28 +109,33 @@ class Hatch(Pattern):
         # several beads on a line that is run backwards come in backward order too
         order = np.lexsort((points[:, 0] @ along * np.where(back, -1.0, 1.0), number))
         run = np.where(back[:, None, None], points[:, ::-1], points)
-        return tuple(Bead(points=run[i], kind=BeadKind.HATCH, piece=cell.index, closed=closed[i]) for i in order.tolist())
+        return tuple(Bead(points=run[i], kind=BeadKind.HATCH, piece=area.index, closed=closed[i]) for i in order.tolist())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Room:
-    """A cell whose inset is the one at which its lines are cut (`ends`), and how far they may lie across (`lines`)."""
+    """An area whose inset is the one at which its lines are cut (`ends`), and how far they may lie across (`lines`)."""
 
-    cell: Cell
+    area: FillArea
     ends: Inset
     lines: Inset
 
 
-def _room(cell: Cell) -> _Room:
-    """Where a cell's lines lie and end: at its inset; beside a contour nearer, by the rules of `meeting`."""
-    if not cell.meets_contour:
-        inset = inset_piece(cell.piece, cell.inset, chord=cell.chord)
-        return _Room(cell=cell, ends=inset, lines=inset)
-    contour, sizes = cell.inset - cell.step_over, (cell.step_over, cell.width)
-    cell = replace(cell, inset=contour + nearest_end(*sizes))
-    ends = inset_piece(cell.piece, cell.inset, chord=cell.chord)
-    lines = inset_piece(cell.piece, contour + beside(*sizes), chord=cell.chord)
-    return _Room(cell=cell, ends=ends, lines=ends if lines.is_empty else lines)
+def _room(area: FillArea) -> _Room:
+    """Where an area's lines lie and end: at its inset; beside a contour nearer, by the rules of `meeting`."""
+    if not area.meets_contour:
+        inset = inset_piece(area.piece, area.inset, chord=area.chord)
+        return _Room(area=area, ends=inset, lines=inset)
+    contour, sizes = area.inset - area.step_over, (area.step_over, area.width)
+    area = replace(area, inset=contour + nearest_end(*sizes))
+    ends = inset_piece(area.piece, area.inset, chord=area.chord)
+    lines = inset_piece(area.piece, contour + beside(*sizes), chord=area.chord)
+    return _Room(area=area, ends=ends, lines=ends if lines.is_empty else lines)
+
+
+def angle_on_layer(angles_deg: Sequence[float], step_deg: float, layer: int) -> float:
+    """The angle (rad) of lines on layer number `layer`: of some (degrees) in turn, and turned by a step from layer to layer."""
+    return math.radians(angles_deg[layer % len(angles_deg)] + layer * step_deg)
 
 
 def _met_halfway(before: Array, after: Array, along: Array, closure: Closure) -> Array:
@@ -161,13 +165,13 @@ def _met_halfway(before: Array, after: Array, along: Array, closure: Closure) ->
     return np.where((most < slid)[:, None], before + (way * most.clip(max=1e9))[:, None] * along, after)
 
 
-def _extent(cell: Cell, starts: Array, ends: Array, angle: float) -> Array:
-    """Points of the edges of a cell's inset that say how far it reaches across the lines.
+def _extent(area: FillArea, starts: Array, ends: Array, angle: float) -> Array:
+    """Points of the edges of an area's inset that say how far it reaches across the lines.
 
     Where lobes stick out of a piece, its inset reaches a little way into each; no line is to lie there, but where the inset is
     as wide as anywhere else.
     """
-    if not cell.lobed:
+    if not area.lobed:
         return starts
     _, across = directions(angle)
     y = starts @ across
@@ -198,13 +202,13 @@ def _stretched(points: Array, angle: float, spacing: float, most: float) -> floa
     return width / count * (1.0 - 1e-9) if abs(width / count / spacing - 1.0) <= most else spacing
 
 
-def _phase(cell: Cell, points: Array, angle: float, spacing: float, k: int) -> float:
+def _phase(area: FillArea, points: Array, angle: float, spacing: float, k: int) -> float:
     """Across-coordinate of line 0 on a full turn: one line goes through its anchor; rings are centred on it."""
     if k == 0:
         return _centred(points, angle, spacing)
     _, across = directions(angle)
     middle = 0.5 * (points[:, 1].min() + points[:, 1].max())
-    return float(cell.piece.closure.at(np.array(anchor_of(cell.piece)), np.array(middle)) @ across)
+    return float(area.piece.closure.at(np.array(anchor_of(area.piece)), np.array(middle)) @ across)
 
 
 def _off_the_seam(phase: float, inset: Inset, angle: float, spacing: float) -> float:
@@ -214,17 +218,17 @@ def _off_the_seam(phase: float, inset: Inset, angle: float, spacing: float) -> f
     return phase + 1e-6 * spacing if abs(along[0]) < 1e-9 and abs(place - round(place)) < 1e-7 else phase
 
 
-def _lower_edge(cell: Cell, inset: Inset, turns: float) -> Array:
+def _lower_edge(area: FillArea, inset: Inset, turns: float) -> Array:
     """The lowest point at a place round the shaft (turns) that lies at the inset from a band's outline."""
     place = inset.cut + (turns - inset.cut) % 1.0
     heights = inset.closure.heights_of(shapely.get_coordinates(list(inset.polygons)))
     ends = np.array([heights.min() - 1.0, heights.max() + 1.0])
     up = shapely.LineString(inset.closure.at(np.array([place, place]), ends))
     point = np.array([[up.coords[0][0], min(p.intersection(up).bounds[1] for p in inset.polygons if p.intersects(up))]])
-    if cell.inset <= 0.0:
+    if area.inset <= 0.0:
         return point[0]
-    outline = Outline([cell.piece], max(cell.inset, cell.chord))
-    return ends_at_inset(outline, point, np.array([[0.0, -1.0]]), inset=cell.inset, limit=20.0 * inset.slack)[0]
+    outline = Outline([area.piece], max(area.inset, area.chord))
+    return ends_at_inset(outline, point, np.array([[0.0, -1.0]]), inset=area.inset, limit=20.0 * inset.slack)[0]
 
 
 def _centred(points: Array, angle: float, spacing: float) -> float:
@@ -237,33 +241,33 @@ def _centred(points: Array, angle: float, spacing: float) -> float:
 
 
 def _sharp_ends(rooms: Sequence[_Room], points: Array, group: Array, angle: float) -> Array:
-    """Both ends of beads (n, 2, 2) of the cells `group` (n,) of one layer, at exactly the inset, or as their contours ask."""
-    cells = [room.cell for room in rooms]
+    """Both ends of beads (n, 2, 2) of the areas `group` (n,) of one layer, at exactly the inset, or as their contours ask."""
+    areas = [room.area for room in rooms]
     along, _ = directions(angle)
-    if len(points) and cells[0].inset > 0.0:
+    if len(points) and areas[0].inset > 0.0:
         # on or outside of the outline, the polygon's own ends are near enough: inside of it by its slack at most
         points = _slid_outwards(rooms, points, group, angle)
-    meets = np.array([cell.meets_contour for cell in cells])[group]
+    meets = np.array([area.meets_contour for area in areas])[group]
     if meets.any():
         points = points.copy()
-        points[meets] = drawn_back(cells, points[meets], along)
+        points[meets] = drawn_back(areas, points[meets], along)
     return points
 
 
 def _slid_outwards(rooms: Sequence[_Room], points: Array, group: Array, angle: float) -> Array:
-    cells = [room.cell for room in rooms]
-    cell = cells[0]
+    areas = [room.area for room in rooms]
+    area = areas[0]
     along, _ = directions(angle)
     slack = np.array([room.ends.slack for room in rooms])
     # its distances have to hold for an end that is not yet at the inset
-    outline = Outline([c.piece for c in cells], max(cell.inset, cell.chord) + 2.0 * float(slack.max()))
+    outline = Outline([c.piece for c in areas], max(area.inset, area.chord) + 2.0 * float(slack.max()))
     flat = np.concatenate([points[:, 0], points[:, 1]])
     ways = np.concatenate([np.tile(-along, (len(points), 1)), np.tile(along, (len(points), 1))])
     # a line that meets the outline at a grazing angle may have to slide a long way: twenty slacks are 3 degrees, and on a full
     # turn, whose edges mostly run round the shaft, as far as the lines' own angle asks
-    winds = np.array([c.piece.winds for c in cells])
+    winds = np.array([c.piece.winds for c in areas])
     reach = slack * (20.0 + np.where(winds, 2.0 / max(abs(math.sin(angle)), 1e-6), 0.0))
     limit = np.tile(reach[group], 2)
-    moved = ends_at_inset(outline, flat, ways, inset=cell.inset, limit=limit)
+    moved = ends_at_inset(outline, flat, ways, inset=area.inset, limit=limit)
     moved = _met_halfway(flat, moved, along, outline.closure)
     return np.stack([moved[: len(points)], moved[len(points) :]], axis=1)

@@ -1,6 +1,6 @@
 """Spirals: one continuous bead from the outline inwards, a step-over a turn.
 
-In: a cell. Out: a bead for each nest of contours; where a contour parts in two, each part gets a spiral of its own.
+In: an area. Out: a bead for each nest of contours; where a contour parts in two, each part gets a spiral of its own.
 
 Words: *nest*, contours one inside of the other, each without a hole; *pair*, a point of a contour and the one nearest to it on
 the next: a turn of the spiral goes from the one to the other, evenly along the contour.
@@ -9,17 +9,19 @@ the next: a turn of the spiral goes from the one to the other, evenly along the 
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from brep_slicer.maps import Array, lengths_along
+from brep_slicer.process.parameter import parameter
 
-from .bead import Bead, BeadKind
-from .cladding import Helix
-from .inset import from_the_lowest, inset_piece
-from .pattern import Cell, CellFill, Pattern
+from ..bead import Bead, BeadKind
+from ..inset import from_the_lowest, inset_piece
+from ..pattern import AreaFill, FillArea, Pattern
+from .contours import then_skeleton
+from .helix import Helix
 
 if TYPE_CHECKING:
     from shapely import Polygon
@@ -28,38 +30,45 @@ if TYPE_CHECKING:
 SPACING = 0.1
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Spiral(Pattern):
     """Contours run into one another; the outermost and the innermost are closed first and last. `outwards` starts inside.
 
     Round a full turn the spiral is a helix with closing rings. A piece with holes gets contours round each hole's nest.
     """
 
-    turns_along = True
-    outwards: bool = False
+    name: ClassVar[str] = "spiral"
+    help: ClassVar[str] = "one bead from the outline inwards, then along the skeleton"
+    turns_along: ClassVar[bool] = True
 
-    def fill(self, cell: Cell) -> CellFill:
-        if cell.piece.winds:
-            return Helix(closing_rings=True).fill(cell)
+    outwards: bool = parameter(False, help="Laid from the inside outwards")
+    skeleton: bool = parameter(True, help="Beads along the skeleton fill what it leaves bare")
+
+    def fill(self, area: FillArea) -> AreaFill:
+        return then_skeleton(replace(self, skeleton=False), area) if self.skeleton else self._nests(area)
+
+    def _nests(self, area: FillArea) -> AreaFill:
+        if area.piece.winds:
+            return Helix(closing_rings=True).fill(area)
         nests: list[list[Polygon]] = []
-        growing = [[p] for p in inset_piece(cell.piece, cell.inset, chord=cell.chord).polygons]
-        distance = cell.inset
+        growing = [[p] for p in inset_piece(area.piece, area.inset, chord=area.chord).polygons]
+        distance = area.inset
         while growing:
-            distance += cell.step_over
-            inner = list(inset_piece(cell.piece, distance, chord=cell.chord).polygons)
+            distance += area.step_over
+            inner = list(inset_piece(area.piece, distance, chord=area.chord).polygons)
             growing, ended = _grown(growing, inner)
             nests += ended
         beads: list[Bead] = []
         for nest in nests:
-            beads += self._beads(nest, cell)
-        return CellFill(beads=tuple(beads), inset=distance)
+            beads += self._beads(nest, area)
+        return AreaFill(beads=tuple(beads), inset=distance)
 
-    def _beads(self, nest: list[Polygon], cell: Cell) -> list[Bead]:
+    def _beads(self, nest: list[Polygon], area: FillArea) -> list[Bead]:
         if nest[0].interiors:
             rings = [np.asarray(r.coords) for p in nest for r in (p.exterior, *p.interiors)]
-            return [Bead(points=r, kind=BeadKind.CONTOUR, piece=cell.index, closed=True) for r in rings]
-        points = _spiral([from_the_lowest(np.asarray(p.exterior.coords)) for p in nest], SPACING * cell.step_over)
-        bead = Bead(points=points, kind=BeadKind.SPIRAL, piece=cell.index, closed=len(nest) == 1)
+            return [Bead(points=r, kind=BeadKind.CONTOUR, piece=area.index, closed=True) for r in rings]
+        points = _spiral([from_the_lowest(np.asarray(p.exterior.coords)) for p in nest], SPACING * area.step_over)
+        bead = Bead(points=points, kind=BeadKind.SPIRAL, piece=area.index, closed=len(nest) == 1)
         return [bead.reversed() if self.outwards else bead]
 
 

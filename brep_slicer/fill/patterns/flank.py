@@ -1,6 +1,6 @@
 """Flank-following beads: parallel to the long edges of a piece, as the paper's experiment laid them.
 
-In: a cell. Out: hatch beads in the direction of the piece's flanks: kappa = const on a spur tooth, the helix on a helical one.
+In: an area. Out: hatch beads in the direction of the piece's flanks: kappa = const on a spur tooth, the helix on a helical one.
 """
 
 from __future__ import annotations
@@ -8,18 +8,21 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from brep_slicer.errors import InputError
 from brep_slicer.maps import Array, lengths_along
+from brep_slicer.process.parameter import parameter
 from brep_slicer.region import Piece
 
-from .bead import Bead, BeadKind
-from .hatch import Hatch
-from .inset import inset_piece, parts_of
-from .metal import ROUND_END
-from .pattern import Cell, CellFill, Pattern
+from ..bead import Bead, BeadKind
+from ..inset import inset_piece, parts_of
+from ..metal import ROUND_END
+from ..pattern import AreaFill, FillArea, Pattern
+from ..tools.parallel import ParallelLines
 from .skeleton import Skeleton
 
 # Two flanks are parallel when their directions differ by less than this (rad).
@@ -33,7 +36,7 @@ CORNER = math.radians(30.0)
 HARDLY_BENT = 0.85
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class FlankFollowing(Pattern):
     """Beads along the flanks, found from the section's own two longest edges; `both_ways` as in a hatch.
 
@@ -42,42 +45,50 @@ class FlankFollowing(Pattern):
     the skeleton fill what stays bare, as at the tips of a blade.
     """
 
-    turns_along = True
-    both_ways: bool = True
-    closest: float = 0.75
-    widest: float = 1.25
+    name: ClassVar[str] = "flank"
+    help: ClassVar[str] = "lines along the piece's two long edges, as the flanks of a tooth"
+    turns_along: ClassVar[bool] = True
+
+    both_ways: bool = parameter(True, options=("--both-ways/--one-way",), help="Every second line is laid backwards")
+    closest: float = parameter(
+        0.75, above=0.0, most=1.0, help="Where flanks come nearer, beads are so many times the step-over apart at least"
+    )
+    widest: float = parameter(1.25, least=1.0, help="And so many times at most, 1.5 times the closest at least")
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.closest <= 1.0 <= self.widest or self.widest < 1.5 * self.closest:
-            raise ValueError("closest must be in (0, 1], widest at least 1 and at least 1.5 times closest")
+        Pattern.__post_init__(self)
+        if self.widest < 1.5 * self.closest:
+            raise InputError(
+                f"widest is {self.widest:g} and closest {self.closest:g}; widest must be 1.5 times closest at least"
+            )
 
-    def fill(self, cell: Cell) -> CellFill:
-        angle, spread = flank_direction(cell.piece)
-        if not cell.piece.winds and (spread > PARALLEL or not _straight(cell.piece)):
-            return self._passing_over(cell, angle)
-        made = Hatch(angle=angle, both_ways=self.both_ways).fill(cell)
+    def fill(self, area: FillArea) -> AreaFill:
+        angle, spread = flank_direction(area.piece)
+        if not area.piece.winds and (spread > PARALLEL or not _straight(area.piece)):
+            return self._passing_over(area, angle)
+        made = ParallelLines(angle=angle, both_ways=self.both_ways).fill(area)
         beads = tuple(replace(b, kind=BeadKind.FLANK) for b in made.beads)
         return replace(made, beads=beads)
 
-    def _passing_over(self, cell: Cell, angle: float) -> CellFill:
-        inset = inset_piece(cell.piece, cell.inset, chord=cell.chord)
+    def _passing_over(self, area: FillArea, angle: float) -> AreaFill:
+        inset = inset_piece(area.piece, area.inset, chord=area.chord)
         beads: list[Bead] = []
         changes = 0
         for room in inset.polygons:
             first, second = _flanks(np.asarray(room.exterior.coords), angle)
             # the outermost beads run along its border; it lies inside of where they may be by the slack
             room = room.buffer(0.1 * inset.slack)
-            zones = _zones(_gaps(np.hypot(*(second - first).T) / cell.step_over, self.closest, self.widest))
+            zones = _zones(_gaps(np.hypot(*(second - first).T) / area.step_over, self.closest, self.widest))
             changes += len(zones) - 1
-            for j, line in enumerate(_lines(first, second, zones, cell.width)):
+            for j, line in enumerate(_lines(first, second, zones, area.width)):
                 found = [
-                    np.asarray(p.coords) for p in parts_of(line.intersection(room), "LineString") if p.length > cell.step_over
+                    np.asarray(p.coords) for p in parts_of(line.intersection(room), "LineString") if p.length > area.step_over
                 ]
                 back = self.both_ways and j % 2 == 1
-                beads += [Bead(points=p[::-1] if back else p, kind=BeadKind.FLANK, piece=cell.index) for p in found]
-        beads += Skeleton().fill(replace(cell, laid=(*cell.laid, *beads))).beads
+                beads += [Bead(points=p[::-1] if back else p, kind=BeadKind.FLANK, piece=area.index) for p in found]
+        beads += Skeleton().fill(replace(area, laid=(*area.laid, *beads))).beads
         notes = ("beads end and fewer go on where its flanks come nearer",) if changes else ()
-        return CellFill(beads=tuple(beads), inset=cell.inset, angle=angle, step_over=cell.step_over, notes=notes)
+        return AreaFill(beads=tuple(beads), inset=area.inset, angle=angle, step_over=area.step_over, notes=notes)
 
 
 def _lines(first: Array, second: Array, zones: list[tuple[int, int, int]], width: float) -> list:

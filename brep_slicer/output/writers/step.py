@@ -1,4 +1,4 @@
-"""Beads as STEP wires, for CAD systems.
+"""beads.step: beads as STEP wires, for CAD systems.
 
 In: a Plan. Out: one wire a bead, in the file's frame, points to the chord of the process.
 """
@@ -13,10 +13,22 @@ import numpy as np
 
 from brep_slicer.planning.report import header_of_plan
 
-from .atomic import write_whole
+from ..atomic import write_whole
+from ..writer import Writer
 
 if TYPE_CHECKING:
     from brep_slicer.planning import Plan
+
+
+class StepWriter(Writer):
+    """The beads as wires."""
+
+    name = "step"
+    suffix = ".step"
+    help = "beads.step: a wire a bead, for CAD systems"
+
+    def write(self, plan: Plan, folder: Path) -> Path:
+        return write_bead_wires(plan, folder / "beads.step")
 
 
 def write_bead_wires(plan: Plan, path: str | Path) -> Path:

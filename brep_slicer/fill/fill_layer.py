@@ -1,6 +1,6 @@
 """The beads of a layer as a process asks for them: which pattern, in which order, how fast.
 
-In: a Layer and a Process. Out: a LayerFill. A new pattern gets its name in `process.InnerPattern` and its line in `pattern_of`.
+In: a Layer and a Process. Out: a LayerFill.
 """
 
 from __future__ import annotations
@@ -13,26 +13,18 @@ import numpy as np
 
 from brep_slicer.maps import Array
 from brep_slicer.notices import AREA, Notice, NoticeKind
-from brep_slicer.process import InnerPattern, Order, Process, Rule
+from brep_slicer.process import Order, Process, Rule
 from brep_slicer.region import Layer, Piece, band_between, polygon_from_piece
 
-from .automatic import STRETCH as AUTO_STRETCH
-from .automatic import Automatic
 from .balance import metal_shares, with_balanced_metal
 from .bead import Bead, BeadKind, LayerFill
-from .cladding import Helix, Rings
 from .closing import with_overlap, with_spread_starts
-from .contours import Contours
 from .cooling import in_cool_order
 from .fill_region import fill_region
-from .flank import FlankFollowing
-from .hatch import Hatch
 from .order import in_short_order_by_pieces
 from .pattern import Pattern, PatternSequence
-from .skeleton import Skeleton
+from .patterns.contours import Contours
 from .spacing import with_speed_by_spacing
-from .spiral import Spiral
-from .zigzag import Zigzag
 
 # Beads held at a limit of their speed along more than this share of their length are told of.
 MUCH = 0.1
@@ -52,65 +44,36 @@ TOO_LITTLE = (
 # What lies in corners that beads half a width inside of the outline do not reach is told of from this share of a piece on.
 MOST_IN_CORNERS = 0.02
 IN_CORNERS = (
-    "{share} of it lies in corners that no bead half its width inside of the outline reaches; fit on or a smaller bead does"
+    "{share} of it lies in corners that no bead half its width inside of the outline reaches; outline_position on, or a smaller"
+    " bead, does"
 )
 PatternChoice = Callable[[int, Piece], Pattern]
 
 
 def pattern_of(process: Process, layer: int, piece: Piece | None = None) -> Pattern:
     """The pattern that a process asks for on layer number `layer`, by its rules that of a piece."""
+    asked = process.fill
     for rule in process.rules if piece is not None else ():
         if piece is not None and rule.on_layer(layer) and _holds(rule, piece):
-            process = process.updated(rules=(), **rule.changes)
+            asked = replace(asked, **rule.changes)
             break
-    inside = _infill(process, layer) if process.hatch else None
-    return _inside_of_contours(process, layer, inside)
+    return _inside_of_contours(process.updated(fill=asked, rules=()), layer, asked.pattern)
 
 
-def _inside_of_contours(process: Process, layer: int, inside: Pattern | None) -> Pattern:
+def _inside_of_contours(process: Process, layer: int, inside: Pattern) -> Pattern:
     """A pattern inside of the contours that a process asks for on a layer, if it does."""
-    patterns: list[Pattern] = []
-    if process.contours and (layer % process.contours_every == 0 or inside is None):
-        patterns.append(Contours(count=process.contours, outwards=process.contours_outwards))
-    if inside is not None:
-        patterns.append(inside)
-    if len(patterns) == 1:
-        return patterns[0]
-    return PatternSequence(patterns=tuple(patterns), overlap=process.overlap)
-
-
-def _infill(process: Process, layer: int) -> Pattern:
-    """What a process asks for inside of the contours of a layer."""
-    angle = process.hatch_angle(layer)
-    inner: dict[InnerPattern, Pattern] = {
-        InnerPattern.AUTO: Automatic(
-            angle=angle,
-            both_ways=process.both_ways,
-            outwards=process.contours_outwards,
-            stretch=process.stretch or AUTO_STRETCH,
-        ),
-        InnerPattern.HATCH: Hatch(angle=angle, both_ways=process.both_ways, stretch=process.stretch),
-        InnerPattern.ZIGZAG: Zigzag(angle=angle),
-        InnerPattern.FLANK: FlankFollowing(both_ways=process.both_ways),
-        InnerPattern.CONTOURS: PatternSequence(patterns=(Contours(count=None, outwards=process.contours_outwards), Skeleton())),
-        InnerPattern.SPIRAL: PatternSequence(patterns=(Spiral(), Skeleton())),
-        InnerPattern.SKELETON: Skeleton(),
-        InnerPattern.RINGS: Rings(),
-        InnerPattern.HELIX: Helix(
-            starts=process.starts,
-            left_handed=process.left_handed,
-            closing_rings=process.closing_rings,
-            start=process.start_angle,
-        ),
-    }
-    return inner[process.pattern]
+    asked = process.fill
+    if not asked.contours or layer % asked.contours_every:
+        return inside
+    contours = Contours(count=asked.contours, outwards=asked.contours_outwards, skeleton=False)
+    return PatternSequence(patterns=(contours, inside), overlap=process.fill.overlap)
 
 
 def _holds(rule: Rule, piece: Piece) -> bool:
     """Whether a rule that holds on the layer holds for a piece: the widest place is the largest circle inside."""
     import shapely
 
-    if rule.winds is not None and rule.winds != piece.winds:
+    if rule.full_turn is not None and rule.full_turn != piece.winds:
         return False
     if rule.narrower_than is None:
         return True
@@ -135,36 +98,32 @@ def fill_layer(layer: Layer, process: Process, pattern: PatternChoice | None = N
         pattern_of(process, layer.index) if pattern is None else partial(pattern, layer.index),
         step_over=process.step_over,
         width=process.width,
-        inset=process.value("inset"),
-        chord=process.value("chord"),
-        shortest_bead=process.value("shortest_bead"),
+        inset=process.inset,
+        chord=process.chord,
+        shortest_bead=process.fill.shortest_bead,
+        layer=layer.index,
     )
-    if process.spread_starts:
+    if process.fill.spread_starts:
         # rings of equal pieces start at different places
         fill = replace(fill, beads=with_spread_starts(fill.beads, layer.index), copies=())
     fill = _at_its_speed(layer, fill, process)
-    if process.order is Order.SHORTEST:
-        fill = replace(fill, beads=_in_short_order(fill, layer, process))
-    if process.rest_s:
+    if process.fill.order is Order.SHORTEST:
+        closure, reach, copies = layer.region.closure, TOGETHER * process.step_over, fill.copies
+        beads = in_short_order_by_pieces(fill.beads, closure, reach=reach, turned=fill.turnable, copies=copies)
+        fill = replace(fill, beads=beads)
+    if process.fill.min_interpass_time_s:
         fill = _cooled(fill, process)
-    if process.alternate and layer.index % 2 == 1:
+    if process.fill.alternate and layer.index % 2 == 1:
         fill = replace(fill, beads=tuple(bead.reversed() for bead in fill.beads[::-1]))
-    beads = with_overlap(fill.beads, process.closing_overlap)
-    beads = tuple(_at_contour_speed(bead, process) for bead in beads)
+    beads = with_overlap(fill.beads, process.fill.closing_overlap)
     shares = metal_shares(beads, fill.shapes, copies=fill.copies, step_over=process.step_over, width=process.width)
     metal, beyond = tuple(zip(*shares, strict=True)) or ((), ())
     notes = [*fill.notes, *_off_balance(metal), *_bare_lobes(fill)]
-    if process.value("inset") >= 0.499 * process.width:
+    if process.inset >= 0.499 * process.width:
         said = [(i, share) for i, share in enumerate(beyond) if share > MOST_BEYOND]
         notes += [_of_piece(NoticeKind.PIECE_METAL, i, BEYOND, share) for i, share in said]
         notes += _bare_corners(fill)
     return replace(fill, beads=beads, metal=metal, beyond=beyond, notes=tuple(notes))
-
-
-def _in_short_order(fill: LayerFill, layer: Layer, process: Process) -> tuple[Bead, ...]:
-    reach = TOGETHER * process.step_over
-    closure, copies = layer.region.closure, fill.copies
-    return in_short_order_by_pieces(fill.beads, closure, reach=reach, turned=process.both_ways, copies=copies)
 
 
 def _chosen(process: Process, choose: PatternChoice, layer: int, piece: Piece) -> Pattern:
@@ -218,22 +177,19 @@ def _bare_lobes(fill: LayerFill) -> tuple[Notice, ...]:
 
 
 def _at_its_speed(layer: Layer, fill: LayerFill, process: Process) -> LayerFill:
-    """The speeds that the spacing of the beads, or the metal of the pieces, asks for."""
-    limits = (process.slowest, process.fastest)
-    if process.speed_follows_spacing and fill.beads:
+    """The speeds of all beads, decided here and nowhere else, each on top of the one before.
+
+    First what the spacing of the beads asks for, then what the metal of the pieces does, then contours at a speed of their own.
+    """
+    asked = process.fill
+    limits = (asked.slowest, asked.fastest)
+    if asked.adaptive_speed and fill.beads:
         beads = with_speed_by_spacing(fill.beads, step_over=process.step_over, limits=limits, closure=layer.region.closure)
         fill = replace(fill, beads=beads, notes=(*fill.notes, *_at_the_limit(beads, limits)))
-    if not process.balance:
-        return fill
-    beads = with_balanced_metal(
-        fill,
-        step_over=process.step_over,
-        width=process.width,
-        inset=process.value("inset"),
-        limits=limits,
-        even=process.speed_follows_spacing,
-    )
-    return replace(fill, beads=beads)
+    if asked.balance:
+        sizes = {"step_over": process.step_over, "width": process.width, "inset": process.inset}
+        fill = replace(fill, beads=with_balanced_metal(fill, **sizes, limits=limits, even=asked.adaptive_speed))
+    return replace(fill, beads=tuple(_at_contour_speed(bead, process) for bead in fill.beads))
 
 
 def _at_the_limit(beads: Sequence[Bead], limits: tuple[float, float]) -> tuple[Notice, ...]:
@@ -249,17 +205,18 @@ def _at_the_limit(beads: Sequence[Bead], limits: tuple[float, float]) -> tuple[N
 
 
 def _at_contour_speed(bead: Bead, process: Process) -> Bead:
-    if process.contour_speed_mm_s is None or bead.kind is not BeadKind.CONTOUR:
+    if process.motion.contour_speed_mm_s is None or bead.kind is not BeadKind.CONTOUR:
         return bead
-    share = process.contour_speed_mm_s / float(process.value("deposition_speed_mm_s"))
+    share = process.motion.contour_speed_mm_s / process.deposition_speed
     return replace(bead, speed=share * (np.ones(len(bead.points)) if bead.speed is None else bead.speed))
 
 
 def _cooled(fill: LayerFill, process: Process) -> LayerFill:
     """The beads in an order that lets neighbours cool, and a note where it cannot."""
-    speeds = float(process.value("deposition_speed_mm_s")), float(process.value("travel_speed_mm_s"))
-    made = in_cool_order(fill.beads, step_over=process.step_over, rest=process.rest_s, speed=speeds[0], travel_speed=speeds[1])
+    rest = process.fill.min_interpass_time_s
+    speeds = {"speed": process.deposition_speed, "travel_speed": process.travel_speed}
+    made = in_cool_order(fill.beads, step_over=process.step_over, rest=rest, **speeds)
     count = float(made.too_soon)
-    text = f"{{count}} beads start beside one that ended less than {process.rest_s:g} s ago"
+    text = f"{{count}} beads start beside one that ended less than {rest:g} s ago"
     note = Notice(kind=NoticeKind.SPEED, text=text, figures={"count": (count, count)})
     return replace(fill, beads=made.beads, notes=(*fill.notes, note) if made.too_soon else fill.notes)

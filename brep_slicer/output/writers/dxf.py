@@ -1,4 +1,4 @@
-"""The unrolled layers as DXF: outlines and beads, a DXF layer for each.
+"""layers.dxf: the unrolled layers as DXF: outlines and beads, a DXF layer for each.
 
 In: a Plan. Out: a drawing in (kappa, v), mm; straight outlines stay lines, others are polylines to the chord of the process.
 """
@@ -14,10 +14,22 @@ from brep_slicer.errors import InputError
 from brep_slicer.planning.report import header_of_plan
 from brep_slicer.region import Layer
 
-from .atomic import write_whole
+from ..atomic import write_whole
+from ..writer import Writer
 
 if TYPE_CHECKING:
     from brep_slicer.planning import Plan
+
+
+class DxfWriter(Writer):
+    """Outlines and beads of every layer in the plane."""
+
+    name = "dxf"
+    suffix = ".dxf"
+    help = "layers.dxf: the unrolled layers; needs ezdxf (pip install ezdxf)"
+
+    def write(self, plan: Plan, folder: Path) -> Path:
+        return write_dxf(plan, folder / "layers.dxf")
 
 
 def write_dxf(plan: Plan, path: str | Path) -> Path:
@@ -35,7 +47,7 @@ def write_dxf(plan: Plan, path: str | Path) -> Path:
     drawing = ezdxf.new("R2010", units=4)
     drawing.header.custom_vars.append("brep_slicer", json.dumps(header_of_plan(plan)))
     space = drawing.modelspace()
-    chord = plan.process.value("chord")
+    chord = plan.process.chord
     for layer, fill in zip(plan.layers, plan.fills, strict=True):
         if not isinstance(layer, Layer):
             continue

@@ -11,7 +11,7 @@ import pytest
 
 import brep_slicer as bs
 from brep_slicer.fill import BeadKind, fill_layer
-from brep_slicer.fill.distance import Outline
+from brep_slicer.fill.tools.distance import Outline
 from brep_slicer.planning import motion_of
 from brep_slicer.process import PATTERNS
 from brep_slicer.toolpath import DepositLayer, lift_layers, obstacles_of

@@ -27,8 +27,8 @@ from brep_slicer.fill import (
     fill_region,
     with_spread_starts,
 )
-from brep_slicer.fill.distance import Outline, ends_at_inset
-from brep_slicer.fill.full_turn import closing_lines
+from brep_slicer.fill.tools.distance import Outline, ends_at_inset
+from brep_slicer.fill.tools.full_turn import closing_lines
 from brep_slicer.layers import cylinder
 from brep_slicer.proof import coverage_of
 from brep_slicer.region import Region, region_from_loops

@@ -9,7 +9,7 @@ import pytest
 
 import brep_slicer as bs
 from brep_slicer.fill import BeadKind, Contours, Hatch, Skeleton, fill_layer, metal_of
-from brep_slicer.fill.strips import strip_areas
+from brep_slicer.fill.tools.strips import strip_areas
 from brep_slicer.layers import cylinder
 from brep_slicer.notices import NoticeKind
 from brep_slicer.process import PATTERNS
@@ -296,7 +296,7 @@ def test_contours_and_hatch_do_not_pile_up(name, angle_deg, contours, fixture_st
 def test_lines_beside_a_contour_leave_nothing_bare_and_hold_what_is_theirs(slant_deg, width):
     import shapely
 
-    from brep_slicer.fill.meeting import ends_from_contour, nearest_end
+    from brep_slicer.fill.tools.meeting import ends_from_contour, nearest_end
 
     slant = math.radians(slant_deg)
     end = float(ends_from_contour(np.array([math.sin(slant)]), 1.0, width)[0])
@@ -379,7 +379,7 @@ def at(region_or_points, kappa):
 
 @pytest.mark.parametrize("pattern", [name for name in PATTERNS.own() if name not in ("rings", "helix")])
 def test_equal_pieces_get_equal_beads_and_others_their_own(pattern):
-    from brep_slicer.fill.copies import copies_of
+    from brep_slicer.fill.tools.copies import copies_of
     from brep_slicer.region import Region
 
     corners = [(0.0, 0.0), (17.0, 3.0), (19.0, 31.0), (-2.0, 26.0)]

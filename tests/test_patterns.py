@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import brep_slicer as bs
 from brep_slicer.curves import LineCurve, Loop
 from brep_slicer.fill import Contours, FlankFollowing, Hatch, Helix, PatternSequence, Rings, Zigzag, fill_region, in_cool_order
-from brep_slicer.fill.distance import Outline
+from brep_slicer.fill.tools.distance import Outline
 from brep_slicer.layers import cylinder
 from brep_slicer.process import PATTERNS as NAMED
 from brep_slicer.proof import summary_of_proof

@@ -25,7 +25,7 @@ from brep_slicer.fill import (
     in_short_order,
     with_speed_by_spacing,
 )
-from brep_slicer.fill.order import travel_of
+from brep_slicer.fill.passes.order import travel_of
 from brep_slicer.layers import cylinder
 from brep_slicer.proof import coverage_of, deposit_of, evenness_of, step_over_of
 from brep_slicer.region import region_from_loops

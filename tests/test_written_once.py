@@ -12,7 +12,7 @@ import sys
 import numpy as np
 import pytest
 
-from brep_slicer.fill.nearest import _nearest
+from brep_slicer.fill.tools.nearest import _nearest
 from brep_slicer.output import tables
 from brep_slicer.toolpath import COLUMNS, Toolpath
 

@@ -4,12 +4,12 @@ In: a region, a pattern, the step-over. Out: beads in (kappa, v), in the order o
 """
 
 from .bead import Bead, BeadKind, LayerFill
-from .closing import with_overlap, with_spread_starts
-from .cooling import CooledOrder, in_cool_order
 from .fill_layer import PatternChoice, fill_layer, pattern_of
 from .fill_region import fill_region
-from .metal import metal_of
-from .order import in_short_order
+from .passes.adaptive_speed import with_speed_by_spacing
+from .passes.interpass import CooledOrder, in_cool_order
+from .passes.order import in_short_order
+from .passes.start_points import with_overlap, with_spread_starts
 from .pattern import AreaFill, FillArea, Pattern, PatternSequence
 from .patterns.auto import Automatic
 from .patterns.contours import Contours
@@ -20,7 +20,7 @@ from .patterns.rings import Rings
 from .patterns.skeleton import Skeleton
 from .patterns.spiral import Spiral
 from .patterns.zigzag import Zigzag
-from .spacing import with_speed_by_spacing
+from .tools.metal import metal_of
 
 __all__ = [
     "AreaFill",

@@ -19,7 +19,7 @@ from brep_slicer.notices import Notice
 from brep_slicer.wording import counted
 
 if TYPE_CHECKING:
-    from .lobes import Shape
+    from .tools.lobes import Shape
 
 
 class BeadKind(enum.Enum):

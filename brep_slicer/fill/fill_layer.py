@@ -9,25 +9,21 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 
-import numpy as np
-
 from brep_slicer.maps import Array
 from brep_slicer.notices import AREA, Notice, NoticeKind
 from brep_slicer.process import Order, Process, Rule
 from brep_slicer.region import Layer, Piece, band_between, polygon_from_piece
 
-from .balance import metal_shares, with_balanced_metal
-from .bead import Bead, BeadKind, LayerFill
-from .closing import with_overlap, with_spread_starts
-from .cooling import in_cool_order
+from .bead import LayerFill
 from .fill_region import fill_region
-from .order import in_short_order_by_pieces
+from .passes.balance import metal_shares
+from .passes.interpass import in_cool_order
+from .passes.order import in_short_order_by_pieces
+from .passes.speeds import at_their_speeds
+from .passes.start_points import with_overlap, with_spread_starts
 from .pattern import Pattern, PatternSequence
 from .patterns.contours import Contours
-from .spacing import with_speed_by_spacing
 
-# Beads held at a limit of their speed along more than this share of their length are told of.
-MUCH = 0.1
 # Beads that end and start within so many step-overs of each other stay together in any order.
 TOGETHER = 2.0
 # The metal that beads lay within a piece's outline is what the piece needs within this share, or else that is told of.
@@ -106,7 +102,7 @@ def fill_layer(layer: Layer, process: Process, pattern: PatternChoice | None = N
     if process.fill.spread_starts:
         # rings of equal pieces start at different places
         fill = replace(fill, beads=with_spread_starts(fill.beads, layer.index), copies=())
-    fill = _at_its_speed(layer, fill, process)
+    fill = at_their_speeds(layer, fill, process)
     if process.fill.order is Order.SHORTEST:
         closure, reach, copies = layer.region.closure, TOGETHER * process.step_over, fill.copies
         beads = in_short_order_by_pieces(fill.beads, closure, reach=reach, turned=fill.turnable, copies=copies)
@@ -174,41 +170,6 @@ def _bare_lobes(fill: LayerFill) -> tuple[Notice, ...]:
         for count, area in [found[fill.copies[piece] if fill.copies else piece]]
         if count
     )
-
-
-def _at_its_speed(layer: Layer, fill: LayerFill, process: Process) -> LayerFill:
-    """The speeds of all beads, decided here and nowhere else, each on top of the one before.
-
-    First what the spacing of the beads asks for, then what the metal of the pieces does, then contours at a speed of their own.
-    """
-    asked = process.fill
-    limits = (asked.slowest, asked.fastest)
-    if asked.adaptive_speed and fill.beads:
-        beads = with_speed_by_spacing(fill.beads, step_over=process.step_over, limits=limits, closure=layer.region.closure)
-        fill = replace(fill, beads=beads, notes=(*fill.notes, *_at_the_limit(beads, limits)))
-    if asked.balance:
-        sizes = {"step_over": process.step_over, "width": process.width, "inset": process.inset}
-        fill = replace(fill, beads=with_balanced_metal(fill, **sizes, limits=limits, even=asked.adaptive_speed))
-    return replace(fill, beads=tuple(_at_contour_speed(bead, process) for bead in fill.beads))
-
-
-def _at_the_limit(beads: Sequence[Bead], limits: tuple[float, float]) -> tuple[Notice, ...]:
-    """A note where the speeds that the spacing asks for are mostly beyond what is allowed."""
-    steps = [np.hypot(*np.diff(bead.points, axis=0).T) for bead in beads]
-    out = []
-    for limit, word in zip(limits, ("lower", "higher"), strict=True):
-        held = sum(float(s[b.speed[1:] == limit].sum()) for s, b in zip(steps, beads, strict=True) if b.speed is not None)
-        if limit != 1.0 and held > MUCH * sum(float(s.sum()) for s in steps):
-            text = f"the speed is held at {limit:g} times the usual along much of the beads: the height is {word} than t"
-            out.append(Notice(kind=NoticeKind.SPEED, text=text))
-    return tuple(out)
-
-
-def _at_contour_speed(bead: Bead, process: Process) -> Bead:
-    if process.motion.contour_speed_mm_s is None or bead.kind is not BeadKind.CONTOUR:
-        return bead
-    share = process.motion.contour_speed_mm_s / process.deposition_speed
-    return replace(bead, speed=share * (np.ones(len(bead.points)) if bead.speed is None else bead.speed))
 
 
 def _cooled(fill: LayerFill, process: Process) -> LayerFill:

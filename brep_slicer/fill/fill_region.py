@@ -14,10 +14,10 @@ from brep_slicer.notices import AREA, Notice, NoticeKind
 from brep_slicer.region import Piece, Region
 
 from .bead import Bead, LayerFill
-from .copies import Copies, copies_of
-from .lobes import Shape
 from .pattern import AreaFill, FillArea, Pattern
 from .patterns.skeleton import Skeleton
+from .tools.copies import Copies, copies_of
+from .tools.lobes import Shape
 
 
 def _narrow(area: FillArea, shortest_bead: float) -> tuple[list[Bead], str]:

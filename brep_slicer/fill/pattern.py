@@ -18,8 +18,8 @@ from brep_slicer.region import Piece
 from brep_slicer.wording import counted, shortened
 
 from .bead import Bead
-from .inset import inset_piece
-from .lobes import Shape
+from .tools.inset import inset_piece
+from .tools.lobes import Shape
 
 if TYPE_CHECKING:
     from shapely import Polygon

@@ -11,9 +11,9 @@ import shapely
 
 import brep_slicer as bs
 from brep_slicer.fill import Hatch, fill_region, in_short_order
-from brep_slicer.fill.inset import edges_of, inset_piece
-from brep_slicer.fill.order import travel_of
-from brep_slicer.fill.scanlines import cut_lines
+from brep_slicer.fill.passes.order import travel_of
+from brep_slicer.fill.tools.inset import edges_of, inset_piece
+from brep_slicer.fill.tools.scanlines import cut_lines
 
 pytestmark = pytest.mark.benchmark
 ARGS = {"step_over": 1.0, "width": 1.44, "inset": 0.72, "chord": 0.01}

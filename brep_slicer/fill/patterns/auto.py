@@ -19,8 +19,8 @@ from typing import ClassVar
 from brep_slicer.process.parameter import parameter
 from brep_slicer.process.taken import Taken
 
-from ..lobes import Shape
 from ..pattern import AreaFill, FillArea, Pattern
+from ..tools.lobes import Shape
 from ..tools.parallel import ParallelLines, angle_on_layer
 from .contours import Contours
 from .skeleton import beads_in_lobes

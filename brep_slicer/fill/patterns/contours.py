@@ -17,8 +17,8 @@ from brep_slicer.process.parameter import parameter
 from brep_slicer.region import stitched_outlines
 
 from ..bead import Bead, BeadKind
-from ..inset import from_the_lowest, inset_piece, three_turns_moved
 from ..pattern import AreaFill, FillArea, Pattern, PatternSequence
+from ..tools.inset import from_the_lowest, inset_piece, three_turns_moved
 from .skeleton import Skeleton
 
 

@@ -19,9 +19,9 @@ from brep_slicer.process.parameter import parameter
 from brep_slicer.region import Piece
 
 from ..bead import Bead, BeadKind
-from ..inset import inset_piece, parts_of
-from ..metal import ROUND_END
 from ..pattern import AreaFill, FillArea, Pattern
+from ..tools.inset import inset_piece, parts_of
+from ..tools.metal import ROUND_END
 from ..tools.parallel import ParallelLines
 from .skeleton import Skeleton
 

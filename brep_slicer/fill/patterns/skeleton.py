@@ -14,10 +14,10 @@ import numpy as np
 from brep_slicer.maps import Array
 
 from ..bead import Bead, BeadKind
-from ..inset import parts_of, three_turns, window_of
-from ..lobes import Shape
-from ..medial import medial_axis
 from ..pattern import AreaFill, FillArea, Pattern
+from ..tools.inset import parts_of, three_turns, window_of
+from ..tools.lobes import Shape
+from ..tools.medial import medial_axis
 
 if TYPE_CHECKING:
     from shapely import Geometry

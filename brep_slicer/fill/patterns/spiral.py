@@ -18,8 +18,8 @@ from brep_slicer.maps import Array, lengths_along
 from brep_slicer.process.parameter import parameter
 
 from ..bead import Bead, BeadKind
-from ..inset import from_the_lowest, inset_piece
 from ..pattern import AreaFill, FillArea, Pattern
+from ..tools.inset import from_the_lowest, inset_piece
 from .contours import then_skeleton
 from .helix import Helix
 

@@ -15,10 +15,10 @@ from brep_slicer.process.parameter import parameter
 from brep_slicer.process.taken import Taken
 
 from ..bead import Bead, BeadKind
-from ..inset import inset_piece
 from ..pattern import AreaFill, FillArea, Pattern
-from ..scanlines import directions
+from ..tools.inset import inset_piece
 from ..tools.parallel import ParallelLines, angle_on_layer
+from ..tools.scanlines import directions
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)

@@ -16,12 +16,12 @@ from brep_slicer.layers import Closure
 from brep_slicer.maps import TURN, Array
 
 from ..bead import Bead, BeadKind
-from ..distance import Outline, ends_at_inset
-from ..full_turn import anchor_of, closing_lines, join_across_seam
-from ..inset import Inset, edges_of, inset_piece
-from ..meeting import beside, drawn_back, nearest_end, with_room
 from ..pattern import AreaFill, FillArea
-from ..scanlines import cut_lines, directions
+from .distance import Outline, ends_at_inset
+from .full_turn import anchor_of, closing_lines, join_across_seam
+from .inset import Inset, edges_of, inset_piece
+from .meeting import beside, drawn_back, nearest_end, with_room
+from .scanlines import cut_lines, directions
 
 # Beads lie on one line if they are no farther from it than this, mm.
 SAME_LINE = 1e-6

@@ -15,7 +15,7 @@ import numpy as np
 from brep_slicer.layers import Closure
 from brep_slicer.maps import Array
 
-from .bead import Bead, BeadKind
+from ..bead import Bead, BeadKind
 
 # Stretches up to this many beads are moved elsewhere as a whole.
 LONGEST_MOVE = 3

@@ -12,7 +12,7 @@ import numpy as np
 
 from brep_slicer.maps import Array, lengths_along
 
-from .bead import Bead
+from ..bead import Bead
 
 # Starts that are to be spread follow one another by this share of the ring: the golden section never repeats itself.
 GOLDEN = 0.5 * (5.0**0.5 - 1.0)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from brep_slicer.maps import Array
 
-from .bead import Bead
+from ..bead import Bead
 from .within import Within
 
 # The round end of a bead with a parabola's section holds as much metal as this length of it (in widths): pi / 16 / (2 / 3).

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from brep_slicer.maps import Array
 
+from ..pattern import FillArea
 from .distance import Outline
 from .metal import ROUND_END
-from .pattern import FillArea
 
 # A line is left this much of its length (in widths) at least, however near the borders that it ends at.
 LEAST_LEFT = 0.25

@@ -21,14 +21,14 @@ from brep_slicer.layers import NO_CLOSURE
 from brep_slicer.maps import Array
 from brep_slicer.region import Piece
 
-from .bead import Bead, BeadKind, LayerFill
-from .inset import window_of
-from .lobes import QUARTER_SEGMENTS, Shape
-from .metal import ROUND_END, courses_of, metal_of
-from .nearest import amounts_by_nearest
-from .scanlines import directions
-from .strips import strip_areas
-from .within import LEAST_WITHIN, Within
+from ..bead import Bead, BeadKind, LayerFill
+from ..tools.inset import window_of
+from ..tools.lobes import QUARTER_SEGMENTS, Shape
+from ..tools.metal import ROUND_END, courses_of, metal_of
+from ..tools.nearest import amounts_by_nearest
+from ..tools.scanlines import directions
+from ..tools.strips import strip_areas
+from ..tools.within import LEAST_WITHIN, Within
 
 # A straight bead that meets the outline squarely, half a bead inside of it, needs this much more metal at its very end: its
 # round end holds 3 pi / 32 w of the w / 2 that are left there, and the rest is laid on the way to it, over another w / 2.

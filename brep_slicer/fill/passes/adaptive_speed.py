@@ -16,7 +16,7 @@ import numpy as np
 from brep_slicer.layers import NO_CLOSURE, Closure
 from brep_slicer.maps import Array
 
-from .bead import Bead
+from ..bead import Bead
 
 # Farther than this many step-overs there is no neighbour.
 FARTHEST = 1.6

@@ -15,7 +15,7 @@ import numpy as np
 
 from brep_slicer.maps import Array
 
-from .bead import Bead
+from ..bead import Bead
 
 # Beads nearer to each other than this many step-overs are neighbours.
 NEAR = 1.5

@@ -13,7 +13,7 @@ import numpy as np
 from brep_slicer.layers import NO_CLOSURE, Closure
 from brep_slicer.maps import Array, lengths_along
 
-from .bead import Bead, BeadKind
+from ..bead import Bead, BeadKind
 from .metal import ROUND_END
 from .within import LEAST_WITHIN, Within
 

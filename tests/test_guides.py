@@ -217,3 +217,20 @@ def test_the_guides_files_are_clean_to_strict_mypy(installed, tmp_path):
     files = [str(installed / "waves.py"), str(installed / "layer_table.py")]
     done = subprocess.run([*words, *files], capture_output=True, text=True, env=env, cwd=tmp_path)
     assert done.returncode == 0, done.stdout
+
+
+def test_init_writes_over_nothing_unless_told_to(run, tmp_path):
+    assert run("init", "process.toml", "-t", 1.2, "-d", 3).returncode == 0
+    assert bs.read_process(tmp_path / "process.toml") == bs.Process(layer_thickness=1.2, step_over=3.0)
+    before = (tmp_path / "process.toml").read_bytes()
+    done = run("init", "process.toml")
+    assert done.returncode == 2
+    assert "process.toml: this file is there already; --force writes over it" in done.stderr
+    assert (tmp_path / "process.toml").read_bytes() == before
+    assert run("init", "process.toml", "--force").returncode == 0
+    assert bs.read_process(tmp_path / "process.toml").layer_thickness == 1.4
+    # what it wrote is planned as it is
+    done = run("plan", TOOTH, "--process", "process.toml", "--layers", "0:1", "--write", "csv", "-o", "out")
+    assert done.returncode == 0, done.stderr
+    assert run("init", "other.toml", "-t", -1).returncode == 2
+    assert not (tmp_path / "other.toml").exists()

@@ -141,7 +141,11 @@ def inspect(
     typer.echo("\n".join(lines))
 
 
-@app.command()
+@app.command("plan")
+def _plan_by_name() -> None:
+    """Keep the place of `plan` in the list of commands; `Commands` has the command itself."""
+
+
 def plan(
     part: PartFile,
     out: Annotated[Path, typer.Option("-o", "--out", help="Folder to write to.", rich_help_panel=OUTPUT)] = Path("out"),
@@ -233,12 +237,16 @@ def _plan_command() -> Any:
     """The command `plan` with an option for every parameter of a process."""
     from .options import process_options
 
+    def command(**given: Any) -> None:
+        plan(**given)
+
     own = inspect_signature(plan, eval_str=True)
     named = [one for one in own.parameters.values() if one.kind is not Parameter.VAR_KEYWORD]
     part, *others = (one.replace(kind=Parameter.KEYWORD_ONLY) for one in named)
-    plan.__signature__ = own.replace(parameters=[part, *process_options(), *others])  # type: ignore[attr-defined]
+    command.__doc__ = plan.__doc__
+    command.__signature__ = own.replace(parameters=[part, *process_options(), *others])  # type: ignore[attr-defined]
     alone = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
-    alone.command("plan", cls=PlanCommand)(plan)
+    alone.command("plan", cls=PlanCommand)(command)
     return typer.main.get_command(alone)
 
 

@@ -157,3 +157,24 @@ def test_a_panel_without_room_for_an_arrow():
     canvas = Canvas(40, 30)
     canvas.arrows(np.zeros((0, 2)), np.zeros((0, 2)), rgb("#c0392b"))
     assert len(np.unique(np.asarray(canvas.page()).reshape(-1, 3), axis=0)) == 1
+
+
+@pytest.mark.parametrize("count", [0, 1, 40])
+def test_lines_are_moved_together_as_each_by_itself(count):
+    from brep_slicer.layers import cylinder
+    from brep_slicer.output.pictures.panels import _all_beside
+
+    closure, random = cylinder(20.0).closure, np.random.default_rng(7)
+    lines = [random.uniform(-300.0, 300.0, 2) + random.normal(size=(random.integers(1, 9), 2)) for _ in range(count)]
+    if count > 1:
+        # a line that is broken
+        lines[3] = np.concatenate([lines[3], np.full((1, 2), np.nan), lines[3] + 1.0])
+    middle = np.array([5.0, 3.0])
+    found = _all_beside(lines, middle, closure)
+    assert len(found) == count
+    for line, moved in zip(lines, found, strict=True):
+        # whole turns of 2 pi R, to within half a turn of the middle
+        turns = (moved - line)[:, 0] / (2.0 * np.pi * 20.0)
+        np.testing.assert_allclose(turns[np.isfinite(turns)], np.round(np.nanmean(turns)), atol=1e-9)
+        at = 0.5 * (np.nanmin(moved, axis=0) + np.nanmax(moved, axis=0))
+        assert abs(at[0] - middle[0]) <= np.pi * 20.0 + 1e-9

@@ -7,9 +7,10 @@ import pytest
 
 import brep_slicer as bs
 from brep_slicer.kernel.display import display_mesh
+from brep_slicer.output.pictures import scene, toolpath
 from brep_slicer.output.pictures.raster import seen
-from brep_slicer.output.pictures.scene import part_mesh
-from brep_slicer.output.pictures.views import _in_view, _places, views_of
+from brep_slicer.output.pictures.scene import Stretches, blocks_of, part_mesh, stretches_of
+from brep_slicer.output.pictures.views import _in_view, _places, ranges_of_deposit, views_of
 
 
 def test_the_nearer_triangle_hides_the_farther_one_and_what_faces_away_is_not_seen():
@@ -49,3 +50,71 @@ def test_every_place_with_metal_is_in_one_of_the_views(name, fixture_step):
     shown = np.any([_in_view(view, mesh, samples, place, plan.process.width) for view in views], axis=0)
     assert 1 <= len(views) <= 2
     assert shown.mean() >= 0.9
+
+
+# one bead of many points a piece; many beads; straight beads in many stretches; full turns that go on from one to the next
+BLOCKS = {
+    "spiral": ("helical_gear_tooth", "spiral"),
+    "hatch": ("spur_gear_tooth", "hatch"),
+    "along": ("tube", bs.Hatch(angle_deg=90.0)),
+    "helix": ("tube", "helix"),
+}
+
+
+@pytest.mark.parametrize("name", BLOCKS)
+@pytest.mark.parametrize("at_once", [37, 400])
+def test_blocks_hold_every_stretch_once_and_few_of_them(name, at_once, fixture_step, monkeypatch):
+    fixture, pattern = BLOCKS[name]
+    process = bs.Process(layer_thickness=4.0, step_over=4.0, fill=bs.Fill(pattern=pattern))
+    path = bs.plan(bs.read_step(fixture_step(fixture)), process, axis="Z", layers="0:2").toolpath
+    longest, shortest = 3.0, 1e-9
+    whole = stretches_of(path, slice(0, len(path)), longest, shortest)
+    monkeypatch.setattr(scene, "AT_ONCE", at_once)
+    blocks = list(blocks_of(path, longest))
+    assert blocks[0].start == 0
+    assert blocks[-1].stop == len(path)
+    assert [b.stop for b in blocks[:-1]] == [b.start for b in blocks[1:]]
+    parts = [stretches_of(path, rows, longest, shortest) for rows in blocks]
+    # a single segment is not divided
+    longest_one = path.segment_lengths().max() / longest + 1.0
+    assert max(len(part) for part in parts) <= at_once + longest_one
+    joined = Stretches.together(parts)
+    for end in ("a", "b", "normal_a", "normal_b", "layer"):
+        np.testing.assert_array_equal(getattr(joined, end), getattr(whole, end))
+    # only where a bead had to be cut is it not joined to its own next part
+    assert (joined.before != whole.before).sum() <= len(blocks) - 1
+    laid = np.linalg.norm(whole.b - whole.a, axis=1).sum()
+    chords = np.linalg.norm(np.diff(path.points, axis=0), axis=1)[path.deposits[1:]].sum()
+    assert laid == pytest.approx(chords, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["propeller", "helical_gear_tooth", "tube"])
+def test_a_picture_in_blocks_is_the_picture_at_once(name, fixture_step, monkeypatch, tmp_path):
+    from PIL import Image
+
+    plan = bs.plan(bs.read_step(fixture_step(name)), bs.Process(layer_thickness=2.8, step_over=3.4), axis="Z")
+    sizes, made = [], toolpath.bead_mesh
+
+    def counted(plan, of, profile):
+        sizes.append(len(of))
+        return made(plan, of, profile)
+
+    monkeypatch.setattr(toolpath, "bead_mesh", counted)
+    pages = []
+    for at_once in (10**7, 200):
+        sizes.clear()
+        for module in (scene, toolpath):
+            monkeypatch.setattr(module, "AT_ONCE", at_once)
+        page = Image.open(toolpath.draw_toolpath(plan, tmp_path / f"{at_once}.png")).convert("RGB")
+        pages.append(np.asarray(page).astype(int))
+    assert len(sizes) > 2
+    assert max(sizes) < 2 * 200 + 50
+    # but for where a bead had to be cut, and the last digit of depths
+    assert (np.abs(pages[0] - pages[1]).max(axis=2) > 30).mean() < 5e-4
+
+
+def test_ranges_of_what_is_deposited(fixture_step):
+    path = bs.plan(bs.read_step(fixture_step("tube")), bs.Process(layer_thickness=4.0, step_over=4.0), axis="Z").toolpath
+    ways = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+    laid = path.points[path.deposits] @ ways
+    np.testing.assert_allclose(ranges_of_deposit(path, ways), [laid.min(axis=0), laid.max(axis=0)], atol=1e-9)

@@ -19,7 +19,8 @@ STAGES = """
 import pathlib, resource, tempfile
 import brep_slicer as bs
 from brep_slicer.output.write import write_plan
-from brep_slicer.planning import estimate_of, fill_layers
+from brep_slicer.planning import fill_layers
+from brep_slicer.planning.estimate import estimate_of
 from brep_slicer.planning.sections import cut_layers
 
 def peak():

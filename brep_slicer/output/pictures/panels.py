@@ -55,7 +55,7 @@ def whole(layer: Layer, fill: LayerFill, *, width: float) -> Shown:
     boxes = np.array([polygon.bounds for polygon in polygons])
     low, high = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
     middle, closure, half = 0.5 * (low + high), layer.region.closure, 0.5 * width
-    lines = [_beside(shown(bead.points, layer), middle, closure) for bead in fill.beads]
+    lines = _all_beside([shown(bead.points, layer) for bead in fill.beads], middle, closure)
     laid = np.concatenate([np.stack([low + half, high - half]), *lines])
     least, most = np.minimum(low, np.nanmin(laid, axis=0) - half), np.maximum(high, np.nanmax(laid, axis=0) + half)
     if is_band(layer):
@@ -152,16 +152,16 @@ def draw_panel(canvas: Canvas, what: Shown, frame: Frame, *, width: float, large
     layer, closure = what.layer, what.layer.region.closure
     middle = _middle(what)
     _draw_metal(canvas, what, frame, rgb(METAL))
-    lines = [_beside(shown(bead.points, layer), middle, closure) for bead in what.fill.beads]
+    lines = _all_beside([shown(bead.points, layer) for bead in what.fill.beads], middle, closure)
     turn = closure if is_band(layer) else NO_CLOSURE
     for rings in strips_of(lines, max(width - WIDER / frame.scale, 0.1 * width), within=turn):
         canvas.area([frame.places(ring) for ring in rings], rgb(DEPOSIT, BROAD))
     for loop in layer.region.loops:
         for part in parts_of(_beside(shown(loop.sample(0.02), layer), middle, closure)):
             canvas.line(frame.places(part), rgb(OUTLINE), 1.2 if large else 1.0)
-    ways = [_beside(way, middle, closure) for way in moves_of(layer, what.fill)]
+    ways = _all_beside(moves_of(layer, what.fill), middle, closure) if large else []
     ends = [frame.places(part[[0, -1]]) for way in ways for part in parts_of(way)]
-    if ends and large:
+    if ends:
         both = np.array(ends)
         canvas.dashes(both[:, 0], both[:, 1], rgb(TRAVEL))
     for line in lines:
@@ -191,8 +191,19 @@ def _draw_metal(canvas: Canvas, what: Shown, frame: Frame, color: tuple[int, ...
 
 def _beside(points: Array, middle: Array, closure: Closure) -> Array:
     """Points whole turns away, as near to `middle` (kappa, v; mm) as may be."""
-    at = 0.5 * (np.nanmin(points, axis=0) + np.nanmax(points, axis=0))
-    return closure.moved(points, closure.nearest_turns(at, middle))
+    return _all_beside([points], middle, closure)[0]
+
+
+def _all_beside(lines: list[Array], middle: Array, closure: Closure) -> list[Array]:
+    """The same of each of several lines by itself."""
+    if not lines:
+        return []
+    points, lengths = np.concatenate(lines), [len(line) for line in lines]
+    first = np.cumsum([0, *lengths[:-1]])
+    # a line may be broken, with NaN in between
+    at = 0.5 * (np.fmin.reduceat(points, first) + np.fmax.reduceat(points, first))
+    turns = np.repeat(closure.nearest_turns(at, middle), lengths)
+    return np.split(closure.moved(points, turns), first[1:])
 
 
 def _middle(what: Shown) -> Array:

@@ -9,6 +9,7 @@ simulated deposit.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -20,6 +21,7 @@ from .lowered import cut_lines_at, in_zones, lowered
 
 if TYPE_CHECKING:
     from brep_slicer.planning import Plan
+    from brep_slicer.toolpath import Toolpath
 
 # red, green and blue from 0 to 1: metal that stands, metal to be built, beads of the first and of the last layer, travels
 STANDS, PART = np.array([0.72, 0.73, 0.75]), np.array([0.90, 0.87, 0.80])
@@ -36,6 +38,8 @@ ROUND = 2
 STRAIGHT = 0.98
 # A bead is no farther to one side at a corner than so many halves of its width.
 LONGEST_MITRE = 1.5
+# So many stretches are worked on at once, each of a kilobyte or two as triangles: what bounds the memory.
+AT_ONCE = 20_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -127,31 +131,55 @@ def _lowered(plan: Plan, mesh: Mesh, top: float) -> Mesh:
 class Stretches:
     """Beads in short stretches, in order: ends `a` and `b`, their normals (n, 3), layer (n,), and what each is joined to.
 
-    `before` and `after` (n,) tell whether the bead goes on there, in the stretch before or after.
+    `left_a` and `left_b` (n, 3) go from the middle of the bead to its left side at either end, in halves of its width; `before`
+    and `after` (n,) tell whether the bead goes on there.
     """
 
     a: Array
     b: Array
     normal_a: Array
     normal_b: Array
+    left_a: Array
+    left_b: Array
     layer: Array
     before: Array
     after: Array
+
+    def __len__(self) -> int:
+        return len(self.layer)
 
     def rows(self, chosen: Array) -> Stretches:
         """Some of them; each stays joined to what it was joined to."""
         return Stretches(**{name: getattr(self, name)[chosen] for name in self.__slots__})
 
+    @classmethod
+    def together(cls, parts: list[Stretches]) -> Stretches:
+        """One or more, one after the other."""
+        return cls(**{name: np.concatenate([getattr(part, name) for part in parts]) for name in cls.__slots__})
 
-def stretches_of(plan: Plan, longest: float, shortest: float) -> Stretches:
-    """The deposited part of a toolpath in stretches of `shortest` to `longest` mm; shorter ones only where it bends or ends."""
-    path = plan.toolpath
-    laid = path.deposits.copy()
-    laid[:1] = False
-    end = np.flatnonzero(laid)
+
+def blocks_of(path: Toolpath, longest: float) -> Iterator[slice]:
+    """The rows of a toolpath in blocks that make about `AT_ONCE` stretches, cut between beads where they are not longer."""
+    first = 0
+    while first < len(path):
+        rows = slice(first, first + AT_ONCE)
+        size = np.linalg.norm(np.diff(path.points[rows], axis=0, prepend=path.points[first : first + 1]), axis=1)
+        count = np.cumsum(1.0 + np.where(path.deposits[rows], size, 0.0) / longest)
+        last = first + max(1, int(np.searchsorted(count, AT_ONCE)))
+        if last < len(path):
+            begins = np.flatnonzero(np.diff(path.bead[first : last + 1]) | np.diff(path.layer[first : last + 1]))
+            last = first + 1 + int(begins[-1]) if len(begins) else last
+        yield slice(first, last)
+        first = last
+
+
+def stretches_of(path: Toolpath, rows: slice, longest: float, shortest: float) -> Stretches:
+    """What is deposited in some rows, in stretches of `shortest` to `longest` mm; shorter ones only where it bends or ends."""
+    end = rows.start + np.flatnonzero(path.deposits[rows])
+    end = end[end > 0]
     start = end - 1
     size = np.linalg.norm(path.points[end] - path.points[start], axis=1)
-    end, start = _thinned(plan, end[size > 0.0], start[size > 0.0], size[size > 0.0], shortest)
+    end, start, bead = _thinned(path, rows, end[size > 0.0], start[size > 0.0], size[size > 0.0], shortest)
     size = np.linalg.norm(path.points[end] - path.points[start], axis=1)
     cuts = np.maximum(1, np.ceil(size / longest)).astype(int)
     of = np.repeat(np.arange(len(end)), cuts)
@@ -160,42 +188,43 @@ def stretches_of(plan: Plan, longest: float, shortest: float) -> Stretches:
     p, q = path.points[start][of], path.points[end][of]
     n, m = path.normals[start][of], path.normals[end][of]
     same = np.zeros(len(of) + 1, dtype=bool)
-    bead = path.runs()[end[of]]
-    same[1:-1] = bead[1:] == bead[:-1]
+    same[1:-1] = bead[of][1:] == bead[of][:-1]
+    before, after = same[:-1], same[1:]
+    a, b, normal_a, normal_b = p + low * (q - p), p + high * (q - p), _unit(n + low * (m - n)), _unit(n + high * (m - n))
+    side = _unit(np.cross(_unit(normal_a + normal_b), _unit(b - a)))
+    # a bead joins the one before at the place where both have the same side
+    mitre = np.concatenate([side[:1], _mitre(side[:-1], side[1:])])
+    left_a = np.where(before[:, None], mitre, side)
+    left_b = np.where(after[:, None], np.concatenate([_mitre(side[1:], side[:-1]), side[-1:]]), side)
+    layer = path.layer[end][of]
     return Stretches(
-        a=p + low * (q - p),
-        b=p + high * (q - p),
-        normal_a=_unit(n + low * (m - n)),
-        normal_b=_unit(n + high * (m - n)),
-        layer=path.layer[end][of],
-        before=same[:-1],
-        after=same[1:],
+        a=a, b=b, normal_a=normal_a, normal_b=normal_b, left_a=left_a, left_b=left_b, layer=layer, before=before, after=after
     )
 
 
-def _thinned(plan: Plan, end: Array, start: Array, size: Array, shortest: float) -> tuple[Array, Array]:
-    """Segments of beads (indices of their points), joined to ones of about `shortest` mm where they go on about straight."""
-    path = plan.toolpath
+def _thinned(path: Toolpath, rows: slice, end: Array, start: Array, size: Array, shortest: float) -> tuple[Array, Array, Array]:
+    """Segments of beads (indices of their points), joined to ones of about `shortest` mm where they go on about straight.
+
+    Also which bead of the rows each belongs to.
+    """
     way = (path.points[end] - path.points[start]) / size[:, None]
-    step = np.floor(np.cumsum(size) / shortest)
-    kept = np.ones(len(end), dtype=bool)
     straight = np.einsum("ij,ij->i", way[1:], way[:-1]) > STRAIGHT
-    bead = path.runs()[end]
+    begins = np.diff(path.bead[rows], prepend=0) | np.diff(path.layer[rows], prepend=0)
+    bead = np.cumsum(begins != 0)[end - rows.start]
+    # measured from each bead's own beginning, whatever comes before it
+    first, total = np.flatnonzero(np.diff(bead, prepend=-1)), np.cumsum(size)
+    step = np.floor((total - np.repeat((total - size)[first], np.diff(np.append(first, len(bead))))) / shortest)
+    kept = np.ones(len(end), dtype=bool)
     kept[:-1] = (step[1:] != step[:-1]) | (bead[1:] != bead[:-1]) | ~straight
     last = np.flatnonzero(kept)
-    return end[last], start[np.concatenate([[0], last[:-1] + 1])[: len(last)]]
+    return end[last], start[np.concatenate([[0], last[:-1] + 1])[: len(last)]], bead[last]
 
 
-def bead_mesh(plan: Plan, stretches: Stretches, chosen: Array, profile: Array) -> Mesh:
-    """The `chosen` stretches (indices) as raised tracks of a `profile`, mitred where a bead goes on, round where it ends."""
+def bead_mesh(plan: Plan, of: Stretches, profile: Array) -> Mesh:
+    """Stretches as raised tracks of a `profile`, mitred where a bead goes on, round where it ends."""
     half = 0.5 * plan.process.width
-    way = _unit(stretches.b - stretches.a)
-    side = _unit(np.cross(_unit(stretches.normal_a + stretches.normal_b), way))
-    # a bead joins the one before at the place where both have the same side
-    earlier, later = np.maximum(chosen - 1, 0), np.minimum(chosen + 1, len(way) - 1)
-    left_a = np.where(stretches.before[chosen, None], _mitre(side[earlier], side[chosen]), side[chosen])
-    left_b = np.where(stretches.after[chosen, None], _mitre(side[later], side[chosen]), side[chosen])
-    of, way, side = stretches.rows(chosen), way[chosen], side[chosen]
+    way = _unit(of.b - of.a)
+    side = _unit(np.cross(_unit(of.normal_a + of.normal_b), way))
     rise = 1.5 * _thickness(plan)[of.layer] * plan.process.step_over / plan.process.width
     colors = _colors(plan)[of.layer]
     first, last = np.flatnonzero(~of.before), np.flatnonzero(~of.after)
@@ -203,8 +232,8 @@ def bead_mesh(plan: Plan, stretches: Stretches, chosen: Array, profile: Array) -
     parts = [
         _tube(
             [
-                _ring(of.a, left_a, still, of.normal_a, rise, half, profile),
-                _ring(of.b, left_b, still, of.normal_b, rise, half, profile),
+                _ring(of.a, of.left_a, still, of.normal_a, rise, half, profile),
+                _ring(of.b, of.left_b, still, of.normal_b, rise, half, profile),
             ],
             colors,
         ),

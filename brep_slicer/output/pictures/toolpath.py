@@ -8,6 +8,7 @@ Words: *stretch*, a short part of a bead; *buried*, under metal of later layers,
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,8 +22,19 @@ from .canvas import write_words
 from .layers import round_length
 from .page import DARK, PALE, name_of, saved
 from .raster import Seen, along, dots_on_lines, planes_of, seen, values_at
-from .scene import FINE_PROFILE, PLAIN_PROFILE, TRAVEL, Mesh, bead_mesh, part_mesh, stretches_of
-from .views import View, slant_of, views_of
+from .scene import (
+    AT_ONCE,
+    FINE_PROFILE,
+    PLAIN_PROFILE,
+    TRAVEL,
+    Mesh,
+    Stretches,
+    bead_mesh,
+    blocks_of,
+    part_mesh,
+    stretches_of,
+)
+from .views import View, ranges_of_deposit, slant_of, views_of
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -57,8 +69,8 @@ def draw_toolpath(plan: Plan, path: str | Path) -> Path:
     """The toolpath on the part, from where every place that gets metal is in sight."""
     from PIL import Image
 
-    laid = plan.toolpath.points[plan.toolpath.deposits]
-    extent = float(np.linalg.norm(np.ptp(laid, axis=0))) if len(laid) else 1.0
+    some = plan.toolpath.deposits.any()
+    extent = float(np.linalg.norm(np.ptp(ranges_of_deposit(plan.toolpath, np.eye(3)), axis=0))) if some else 1.0
     mesh = part_mesh(plan, max(DEFLECTION * extent, 1e-6))
     views = views_of(plan, mesh)
     sizes, places, page = _layout(views)
@@ -101,23 +113,27 @@ def rendered(plan: Plan, mesh: Mesh, view: View, size: tuple[int, int]) -> Array
     # beads lie below the part's own surface by what their outline stays inside of it, and the facets outside
     slack = 0.5 * (plan.process.width + plan.process.step_over) + max((la.thickness or 0.0) for la in plan.layers)
     surface = page.depth - slack * slant
-    beads = _beads(plan, view, scale, surface, size)
-    # a bead has no underside of its own
-    tracks = seen(*_placed(view, beads, scale), beads.triangles, size, both_sides=True)
-    on_top = (tracks.triangle >= 0) & (tracks.depth > surface)
     colors = np.ones((size[0] * size[1], 3))
-    _shade(colors, view, mesh, page, (page.triangle >= 0) & ~on_top, scale, size)
-    _shade(colors, view, beads, tracks, on_top, scale, size)
+    _shade(colors, view, mesh, page, page.triangle >= 0, scale, size)
+    top = surface.copy()
+    for beads in _beads(plan, view, scale, surface, size):
+        # a bead has no underside of its own
+        tracks = seen(*_placed(view, beads, scale), beads.triangles, size, both_sides=True)
+        nearer = (tracks.triangle >= 0) & (tracks.depth > top)
+        _shade(colors, view, beads, tracks, nearer, scale, size)
+        top[nearer] = tracks.depth[nearer]
+    on_top = top > surface
     reach = LINE_SLACK * size[1] / scale
     edges = _lines(view, mesh.points, mesh.edges, page.depth - reach, scale, size)
     edges = edges[~on_top[edges]]
     colors[edges] += EDGE_STRENGTH * (EDGE - colors[edges])
     colors = _smoothed(colors.reshape(*size, 3)).reshape(-1, 3)
     path = plan.toolpath
-    depth = np.where(on_top, tracks.depth, page.depth)
+    depth = np.where(on_top, top, page.depth)
     last = path.layer == path.layer.max(initial=0)
     moves = np.flatnonzero(~path.deposits[1:] & last[1:] & last[:-1])
-    ways = _lines(view, path.points, np.stack([moves, moves + 1], axis=1), depth - 0.25 * reach, scale, size)
+    points, pairs = np.concatenate([path.points[moves], path.points[moves + 1]]), np.arange(2 * len(moves)).reshape(2, -1).T
+    ways = _lines(view, points, pairs, depth - 0.25 * reach, scale, size)
     colors[ways] += TRAVEL_STRENGTH * (TRAVEL - colors[ways])
     return np.clip(255.0 * colors + 0.5, 0, 255).astype(np.uint8).reshape(*size, 3)
 
@@ -135,21 +151,28 @@ def _placed(view: View, mesh: Mesh, scale: float) -> tuple[Array, Array]:
     return view.places(mesh.points, scale), along(mesh.points, view.towards)
 
 
-def _beads(plan: Plan, view: View, scale: float, surface: Array, size: tuple[int, int]) -> Mesh:
-    """The beads that are not buried: those with some of their length above a `surface` of depths, or near it."""
+def _beads(plan: Plan, view: View, scale: float, surface: Array, size: tuple[int, int]) -> Iterator[Mesh]:
+    """The beads that are not buried, some at a time: with some of their length above a `surface` of depths, or near it."""
     width, (high, wide) = plan.process.width, size
     longest = max(1.5 * width, 12.0 / scale)
-    tracks = stretches_of(plan, longest, FINEST / scale)
-    middle = 0.5 * (tracks.a + tracks.b)
-    place = view.places(middle, scale)
-    room = 2.0 * width * scale
-    on_page = ((place > -room) & (place < np.array([wide, high]) + room)).all(axis=1)
-    # the surface there, or as far beside it as a bead reaches
-    at = [np.clip(place + width * scale * np.array(way), 0, [wide - 1, high - 1]).astype(int) for way in BESIDE]
-    lowest = np.min([surface[y * wide + x] for x, y in (each.T for each in at)], axis=0)
-    near = along(middle, view.towards) > lowest - 0.5 * (longest + width)
     profile = FINE_PROFILE if width * scale > SMALL_BEAD else PLAIN_PROFILE
-    return bead_mesh(plan, tracks, np.flatnonzero(on_page & near), profile)
+    room = 2.0 * width * scale
+    waiting: list[Stretches] = []
+    for rows in blocks_of(plan.toolpath, longest):
+        tracks = stretches_of(plan.toolpath, rows, longest, FINEST / scale)
+        middle = 0.5 * (tracks.a + tracks.b)
+        place = view.places(middle, scale)
+        on_page = ((place > -room) & (place < np.array([wide, high]) + room)).all(axis=1)
+        # the surface there, or as far beside it as a bead reaches
+        at = [np.clip(place + width * scale * np.array(way), 0, [wide - 1, high - 1]).astype(int) for way in BESIDE]
+        lowest = np.min([surface[y * wide + x] for x, y in (each.T for each in at)], axis=0)
+        near = along(middle, view.towards) > lowest - 0.5 * (longest + width)
+        waiting.append(tracks.rows(on_page & near))
+        if sum(len(some) for some in waiting) >= AT_ONCE:
+            yield bead_mesh(plan, Stretches.together(waiting), profile)
+            waiting = []
+    if waiting:
+        yield bead_mesh(plan, Stretches.together(waiting), profile)
 
 
 def _shade(colors: Array, view: View, mesh: Mesh, page: Seen, where: Array, scale: float, size: tuple[int, int]) -> None:

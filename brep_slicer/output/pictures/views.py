@@ -14,14 +14,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from brep_slicer.maps import TURN, Array
 
 from .raster import along, seen
-from .scene import Mesh
+from .scene import AT_ONCE, Mesh
 
 if TYPE_CHECKING:
     from brep_slicer.planning import Plan
+    from brep_slicer.toolpath import Toolpath
 
 # Cells of a turn, and of the length that holds deposit; so many points of the deposit are looked for.
 ANGLES, HEIGHTS, LOOKED_FOR = 36, 8, 6000
@@ -31,6 +33,8 @@ ENOUGH = {1: 0.9, 2: 0.97}
 SMALL = 100
 # A deposit that goes so far round (rad) is looked at from all sides; another one from where it faces.
 ALL_ROUND = math.radians(170.0)
+# Angles (rad) of the deposit are told apart to so many decimals.
+ANGLE_DIGITS = 4
 # Elevations over the plane across the axis, and how far beside the middle of the deposit the eye is.
 LOW, HIGH, ASIDE = math.radians(28.0), math.radians(55.0), math.radians(25.0)
 # What of the part is shown around the deposit, a share of the deposit's extent.
@@ -64,15 +68,14 @@ class View:
 def views_of(plan: Plan, mesh: Mesh) -> list[View]:
     """One view that has every place in sight, else two that have between them, the plainest first."""
     if not plan.toolpath.deposits.any():
-        return [_view(plan, mesh, mesh.points, plan.axis.file_from_axis_vectors(np.array([1.0, 0.0, 0.5]) / math.sqrt(1.25)))]
+        return [_view(plan, mesh, plan.axis.file_from_axis_vectors(np.array([1.0, 0.0, 0.5]) / math.sqrt(1.25)))]
     samples, place = _places(plan)
-    laid = plan.toolpath.points[plan.toolpath.deposits]
 
     @functools.cache
     def judged(elevation: float, azimuth: float) -> tuple[View, Array]:
         flat = math.cos(elevation)
         local = np.array([flat * math.cos(azimuth), flat * math.sin(azimuth), math.sin(elevation)])
-        view = _view(plan, mesh, laid, plan.axis.file_from_axis_vectors(local))
+        view = _view(plan, mesh, plan.axis.file_from_axis_vectors(local))
         return view, _in_view(view, mesh, samples, place, plan.process.width)
 
     best: tuple[float, list[View]] = (-1.0, [])
@@ -100,7 +103,10 @@ def _places(plan: Plan) -> tuple[Array, Array]:
 def _covered(plan: Plan) -> tuple[float, float]:
     """First and last angle (rad) of the arc that holds every deposited point: a turn less the widest gap."""
     path = plan.toolpath
-    theta = np.sort(np.mod(path.kappa[path.deposits] / path.radius[path.deposits], TURN))
+    theta = np.zeros(0)
+    for rows, laid in _blocks(path):
+        angles = np.mod(path.kappa[rows][laid] / path.radius[rows][laid], TURN)
+        theta = np.unique(np.append(theta, np.round(angles, ANGLE_DIGITS)))
     gaps = np.diff(np.append(theta, theta[0] + TURN))
     widest = int(gaps.argmax())
     start = theta[(widest + 1) % len(theta)]
@@ -125,22 +131,46 @@ def _choices(plan: Plan) -> Iterator[tuple[tuple[float, float], ...]]:
     yield ((HIGH, middle), (-HIGH, middle + half))
 
 
-def _view(plan: Plan, mesh: Mesh, laid: Array, towards: Array) -> View:
+def _blocks(path: Toolpath) -> Iterator[tuple[slice, NDArray[np.bool_]]]:
+    """The rows of a toolpath, some at a time, and which of them are deposited."""
+    for first in range(0, len(path), AT_ONCE):
+        rows = slice(first, first + AT_ONCE)
+        yield rows, path.deposits[rows]
+
+
+def ranges_of_deposit(path: Toolpath, ways: Array) -> Array:
+    """The least and the most (2, k) of what is deposited along the vectors `ways` (3, k), mm; infinite where nothing is."""
+    out = np.stack([np.full(ways.shape[1], np.inf), np.full(ways.shape[1], -np.inf)])
+    for rows, laid in _blocks(path):
+        found = path.points[rows][laid] @ ways
+        out[0] = np.minimum(out[0], found.min(axis=0, initial=np.inf))
+        out[1] = np.maximum(out[1], found.max(axis=0, initial=-np.inf))
+    return out
+
+
+def _ranges(plan: Plan, mesh: Mesh, ways: Array) -> Array:
+    """The same of a plan; of its part where it deposits nothing."""
+    if plan.toolpath.deposits.any():
+        return ranges_of_deposit(plan.toolpath, ways)
+    along_ways = mesh.points @ ways
+    return np.stack([along_ways.min(axis=0), along_ways.max(axis=0)])
+
+
+def _view(plan: Plan, mesh: Mesh, towards: Array) -> View:
     axis = plan.axis.direction
     level = np.cross(axis, towards)
     level /= np.linalg.norm(level)
     along = np.cross(towards, level)
-    local = plan.axis.axis_from_file(laid)
-    wide = max(np.ptp(local[:, 0]), np.ptp(local[:, 1]), 1e-9)
-    lying = np.ptp(local[:, 2]) > LYING * wide
+    wide, deep, high = np.ptp(_ranges(plan, mesh, plan.axis.rotation.T), axis=0)
+    lying = high > LYING * max(wide, deep, 1e-9)
     right, up = (along, -level) if lying else (level, along)
     view = View(right=right, up=up, towards=towards, box=(0.0, 0.0, 1.0, 1.0))
-    deposit, part = view.flat(laid), view.flat(mesh.points)
-    low, high = deposit.min(axis=0), deposit.max(axis=0)
+    first, last = _ranges(plan, mesh, np.stack([right, up], axis=1))
+    part, low, high = view.flat(mesh.points), first, last
     room = AROUND * (high - low).max() + plan.process.width
     low, high = np.maximum(low - room, part.min(axis=0) - 0.1 * room), np.minimum(high + room, part.max(axis=0) + 0.1 * room)
     # a last layer may rise beyond the part
-    low, high = np.minimum(low, deposit.min(axis=0) - 1.0), np.maximum(high, deposit.max(axis=0) + 1.0)
+    low, high = np.minimum(low, first - 1.0), np.maximum(high, last + 1.0)
     return View(right=right, up=up, towards=towards, box=(*low.tolist(), *high.tolist()))
 
 

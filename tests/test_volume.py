@@ -162,3 +162,49 @@ def test_volumes_by_the_faces_boundaries(name, splines):
     assert closure.defect < 2e-7
     assert closure.quadrature < 1e-7 * truth
     assert closure.moment == pytest.approx(57.0 * truth, rel=1e-6) or name in ("cone", "ball cap")
+
+
+def vase(hole=0.0):
+    """A wavy profile turned about z, as B-splines: a hundred spans along v, a few round it; bored across through its wall."""
+    z = np.linspace(0.0, 100.0, 101)
+    wave = bd.Spline([(30.0 + 2.0 * np.sin(0.3 * x), 0.0, x) for x in z])
+    inner = bd.Polyline(wave @ 1, (20.0, 0.0, 100.0), (20.0, 0.0, 0.0), wave @ 0)
+    shape = bd.revolve(bd.make_face(bd.Wire([wave, *inner.edges()])), bd.Axis.Z)
+    return shape - bd.Pos(30, 0, 50) * bd.Rotation(0, 90, 0) * bd.Cylinder(hole, 40) if hole else shape
+
+
+def plate():
+    """A wavy outline extruded, as B-splines: the spans go along u."""
+    wave = bd.Spline([(x, 3.0 * np.sin(0.3 * x)) for x in np.linspace(0.0, 100.0, 101)])
+    rest = bd.Polyline(wave @ 1, (100.0, 20.0), (0.0, 20.0), wave @ 0)
+    return bd.extrude(bd.make_face(bd.Wire([wave, *rest.edges()])), 12.0)
+
+
+@pytest.mark.parametrize(
+    ("make", "share"),
+    [(vase, 0.1), (lambda: vase(6.0), 0.1), (plate, 1.0), (CLOSED["ring"][0], 1.0), (CLOSED["two crossing cylinders"][0], 1.0)],
+    ids=["vase", "bored vase", "plate", "ring", "two crossing cylinders"],
+)
+def test_lines_either_way_give_the_same_and_the_cheaper_way_is_taken(make, share, monkeypatch):
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_NurbsConvert
+
+    from brep_slicer.section import volume
+
+    shape = bd.Location((31.0, -12.0, 57.0), (20.0, 35.0, 50.0)) * bd.Solid(
+        BRepBuilderAPI_NurbsConvert(make().solids()[0].wrapped, True).Shape()
+    )
+    (solid,) = cut_solids(bs.as_part(shape), Z)
+
+    def places():
+        return sum(len(uv) for face in solid.brep.faces for uv, _ in volume._nodes(face, 1))
+
+    taken, count = closure_of(solid.brep), places()
+    for constant in (0, 1):
+        monkeypatch.setattr(volume, "_constant_along_lines", lambda u, v, constant=constant: constant)
+        other = closure_of(solid.brep)
+        assert other.volume == pytest.approx(taken.volume, rel=1e-9 + taken.defect)
+        assert other.area == pytest.approx(taken.area, rel=1e-7)
+        assert np.allclose(other.vector, taken.vector, atol=1e-8 * taken.area)
+        if constant == 0:
+            # u = const, as for every surface before
+            assert count <= share * places()

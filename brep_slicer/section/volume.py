@@ -3,9 +3,11 @@
 In: a solid's numpy geometry. Out: its Closure: volume, moment, area, and what they are good for.
 
 By Green's theorem in a face's parameters the integral of f du dv over the face is that of -F du along its boundary, where F is
-the integral of f along the line u = const from the lowest v of the face's box: nothing is cut and nothing is searched for.
+the integral of f along the line u = const from the lowest v of the face's box: nothing is cut and nothing is searched for. Or
+that of G dv, G along the lines v = const: the lines go the way on which the surface has fewer breaks (a worm's flank has 3
+across and 132 along).
 
-Words: *piece*, a part of a boundary along which both the pcurve and the surface are smooth.
+Words: *piece*, a part of a boundary along which both the pcurve and the surface are smooth; *line*, of one constant parameter.
 """
 
 from __future__ import annotations
@@ -130,12 +132,20 @@ def _over_face(face: Face, middle: Array, diagonal: float) -> Array:
 
 def _nodes(face: Face, parts: int) -> Iterator[tuple[Array, Array]]:
     """Places (n, 2) in a face's parameters and their weights (n, 2) in the two quadratures, block by block."""
-    boundary, weights = _boundary(face, parts)
-    breaks = _divided(face.surface.breaks(face.box)[1], parts)
+    u, v = face.surface.breaks(face.box)
+    constant = _constant_along_lines(u, v)
+    boundary, weights = _boundary(face, parts, constant)
+    breaks = _divided(u if constant else v, parts)
     size = max(1, MOST_NODES // (FINE * (len(breaks) - 1)))
     for first in range(0, len(boundary), size):
         rows = slice(first, first + size)
-        yield _below(boundary[rows], weights[rows], breaks)
+        places, shares = _below(boundary[rows, constant], boundary[rows, 1 - constant], weights[rows], breaks)
+        yield places[:, ::-1] if constant else places, shares
+
+
+def _constant_along_lines(u: Array, v: Array) -> int:
+    """Which parameter is: the one with more breaks, since each line is evaluated between all breaks that it crosses."""
+    return 0 if len(v) <= len(u) else 1
 
 
 def _divided(breaks: Array, parts: int) -> Array:
@@ -144,10 +154,10 @@ def _divided(breaks: Array, parts: int) -> Array:
     return np.append((breaks[:-1, None] + np.diff(breaks)[:, None] * share).ravel(), breaks[-1])
 
 
-def _below(boundary: Array, weights: Array, breaks: Array) -> tuple[Array, Array]:
-    """Places on the lines u = const from the lowest break up to places on a boundary, for either quadrature."""
+def _below(constant: Array, to: Array, weights: Array, breaks: Array) -> tuple[Array, Array]:
+    """Places (n, 2) on lines from the lowest break `to` where they meet a boundary, their constant first, and their weights."""
     low, high = breaks[:-1], np.append(breaks[1:-1], np.inf)
-    end = np.minimum(boundary[:, 1:], high)
+    end = np.minimum(to[:, None], high)
     # below the first break a line goes down, by what the boundary leaves its box by
     end[:, 1:] = np.maximum(end[:, 1:], low[1:])
     places, shares = [], []
@@ -156,15 +166,15 @@ def _below(boundary: Array, weights: Array, breaks: Array) -> tuple[Array, Array
         x, w = _gauss(count)
         wide = end[rows, spans] - low[spans]
         v = low[spans, None] + wide[:, None] * x
-        places.append(np.stack([np.repeat(boundary[rows, 0], count), v.ravel()], axis=1))
+        places.append(np.stack([np.repeat(constant[rows], count), v.ravel()], axis=1))
         share = np.zeros((v.size, 2))
         share[:, k] = ((wide * weights[rows, k])[:, None] * w).ravel()
         shares.append(share)
     return np.concatenate(places), np.concatenate(shares)
 
 
-def _boundary(face: Face, parts: int = 1) -> tuple[Array, Array]:
-    """Gauss nodes (n, 2) of both quadratures along a face's boundary, and their weights (n, 2), -du.
+def _boundary(face: Face, parts: int = 1, constant: int = 0) -> tuple[Array, Array]:
+    """Gauss nodes (n, 2) of both quadratures along a face's boundary, and their weights (n, 2): -du, or dv for lines v = const.
 
     The boundary is cut where it meets a break of the surface, or a line that divides what lies between two into `parts`.
     """
@@ -180,11 +190,11 @@ def _boundary(face: Face, parts: int = 1) -> tuple[Array, Array]:
         # pcurves that do not quite meet: the step from one's end to the next one's beginning is boundary too
         straight += [ends[lines], np.stack([ends[:, 1], np.roll(ends[:, 0], -1, axis=0)], axis=1)]
         for use in itertools.compress(uses, ~lines):
-            uv, du = _along(use, breaks)
+            uv, step = _along(use, breaks, constant)
             places.append(uv)
-            weights.append(du)
-    uv, du = _along_straight(np.concatenate(straight), breaks)
-    return np.concatenate([uv, *places]), np.concatenate([du, *weights])
+            weights.append(step)
+    uv, step = _along_straight(np.concatenate(straight), breaks, constant)
+    return np.concatenate([uv, *places]), (1.0 if constant else -1.0) * np.concatenate([step, *weights])
 
 
 def _ends(use: EdgeUse) -> Array:
@@ -208,9 +218,9 @@ def _both() -> tuple[Array, Array]:
     return np.append(x, y), np.column_stack([np.append(w, 0.0 * z), np.append(0.0 * w, z)])
 
 
-def _along_straight(ends: Array, breaks: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Nodes and -du along straight lines (n, 2, 2), cut where they meet a break of the surface."""
-    ends = ends[ends[:, 0, 0] != ends[:, 1, 0]]
+def _along_straight(ends: Array, breaks: tuple[Array, Array], constant: int) -> tuple[Array, Array]:
+    """Nodes and steps in one parameter along straight pcurves (n, 2, 2), cut where they meet a break of the surface."""
+    ends = ends[ends[:, 0, constant] != ends[:, 1, constant]]
     way = ends[:, 1] - ends[:, 0]
     cuts = [np.zeros((len(ends), 1)), np.ones((len(ends), 1))]
     for k, at in enumerate(breaks):
@@ -223,18 +233,18 @@ def _along_straight(ends: Array, breaks: tuple[Array, Array]) -> tuple[Array, Ar
     x, w = _both()
     share = a[:, None] + wide[:, None] * x
     uv = ends[line, 0][:, None] + share[..., None] * way[line][:, None]
-    return uv.reshape(-1, 2), -((wide * way[line, 0])[:, None, None] * w).reshape(-1, 2)
+    return uv.reshape(-1, 2), ((wide * way[line, constant])[:, None, None] * w).reshape(-1, 2)
 
 
-def _along(use: EdgeUse, breaks: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Nodes and -du along a curved pcurve, between its own breaks and those of the surface."""
+def _along(use: EdgeUse, breaks: tuple[Array, Array], constant: int) -> tuple[Array, Array]:
+    """Nodes and steps in one parameter along a curved pcurve, between its own breaks and those of the surface."""
     assert use.pcurve is not None
     marks = _cut(use, use.pcurve.breaks(*use.range), breaks)
     x, w = _both()
     wide = np.diff(marks)
     uv, slope = use.pcurve.derivatives((marks[:-1, None] + wide[:, None] * x).ravel(), 1)
-    weights = (wide[:, None, None] * w).reshape(-1, 2) * slope[:, :1]
-    return uv, -weights if use.forward else weights
+    weights = (wide[:, None, None] * w).reshape(-1, 2) * slope[:, constant, None]
+    return uv, weights if use.forward else -weights
 
 
 def _cut(use: EdgeUse, marks: Array, breaks: tuple[Array, Array]) -> Array:

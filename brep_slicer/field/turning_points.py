@@ -3,7 +3,7 @@
 In: edges. Out: the parameters of each edge at which rho has an extreme.
 
 Words: *slope*, d(rho**2)/dt / 2; *piece*, a part of an edge's parameters on which its curve is smooth. B-splines of one degree
-are looked at together, all their pieces at once.
+are looked at together, all their pieces at once, and so are conics.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from brep_slicer.geometry import Edge
-from brep_slicer.geometry.edge_curves import BSplinePack, EdgeCurve, LineEdge
+from brep_slicer.geometry.edge_curves import BSplinePack, ConicEdge, ConicPack, EdgeCurve, LineEdge
 from brep_slicer.geometry.roots import bracketed_roots
 from brep_slicer.maps import Array
 
@@ -40,7 +40,7 @@ Evaluate = Callable[[Whose, Array, int], list[Array]]
 def turning_points(edges: Sequence[Edge]) -> list[Array]:
     """For each edge the parameters strictly inside of it where rho has an extreme, increasing; none on level edges."""
     out = [np.zeros(0)] * len(edges)
-    packs: dict[int, list[int]] = {}
+    packs: dict[tuple[type[BSplinePack | ConicPack], int], list[int]] = {}
     for number, edge in enumerate(edges):
         curve = edge.curve
         if curve is None:
@@ -48,12 +48,14 @@ def turning_points(edges: Sequence[Edge]) -> list[Array]:
         if isinstance(curve, LineEdge):
             out[number] = _inside(edge, _foot_of_axis(curve))
         elif BSplinePack.takes(curve):
-            packs.setdefault(curve.degree, []).append(number)  # type: ignore[attr-defined]
+            packs.setdefault((BSplinePack, curve.degree), []).append(number)  # type: ignore[attr-defined]
+        elif isinstance(curve, ConicEdge):
+            packs.setdefault((ConicPack, 2), []).append(number)
         else:
             (found,) = _turning_points(_alone(curve), [curve.breaks(edge.first, edge.last)])
             out[number] = _inside(edge, found)
-    for numbers in packs.values():
-        pack = BSplinePack([edges[i].curve for i in numbers])  # type: ignore[misc]
+    for (kind, _), numbers in packs.items():
+        pack = kind([edges[i].curve for i in numbers])  # type: ignore[misc]
         breaks = [edges[i].curve.breaks(edges[i].first, edges[i].last) for i in numbers]  # type: ignore[union-attr]
         for i, found in zip(numbers, _turning_points(pack.derivatives, breaks), strict=True):
             out[i] = _inside(edges[i], found)

@@ -103,6 +103,18 @@ class BSplineEdge(EdgeCurve):
         return breaks_between(self._breaks, self.period, first, last)
 
 
+class ConicPack:
+    """Several circles and ellipses, evaluated together: a point's curve is said by its number `which`."""
+
+    def __init__(self, curves: list[ConicEdge]) -> None:
+        self.centre, self.x, self.y = (np.stack([getattr(c, name) for c in curves]) for name in ("centre", "x", "y"))
+
+    def derivatives(self, which: Array, t: Array, order: int) -> list[Array]:
+        """[P, P', P''] as `EdgeCurve.derivatives` has them, to an `order`."""
+        curves = ConicEdge(centre=self.centre[which], x=self.x[which], y=self.y[which])
+        return curves.derivatives(t, order)
+
+
 class BSplinePack:
     """Several polynomial B-splines of one degree, evaluated together: a point's curve is said by its number `which`."""
 

@@ -17,11 +17,11 @@ from .planned import PlanSections
 
 # Points that a travel to a bead takes: up, over and down again.
 TRAVEL_POINTS = 4
-# Microseconds a point: to fill (12 to 62 measured on gears, a cam and a propeller, 2 cores), and to write with its pictures (29
-# for 64,000 points, 130 for 580,000).
-FILL_US, WRITE_US = 30.0, 100.0
-# Pictures of however small a plan, s; what the libraries and a part of moderate size hold, MB.
-LEAST_S, LEAST_MB = 4.0, 450.0
+# Microseconds a point: to fill (0.6 to 18 measured on a tube, gears, a cam and propellers, 2 cores), and to write it with its
+# pictures (7 to 11 from 150,000 points on).
+FILL_US, WRITE_US = 12.0, 10.0
+# What is computed for however small a plan, s; what the libraries and a part of moderate size hold, MB.
+LEAST_S, LEAST_MB = 2.0, 450.0
 # Bytes a point in toolpath.csv and toolpath.json together (300 to 430 measured), and in memory at most: the plan itself (240
 # measured at 1,100,000 points, 235 at 3,600,000), since files and toolpath.png are made in blocks.
 FILE_BYTES, MEMORY_BYTES = 400.0, 250.0

@@ -114,7 +114,6 @@ def rendered(plan: Plan, mesh: Mesh, view: View, size: tuple[int, int]) -> Array
     slack = 0.5 * (plan.process.width + plan.process.step_over) + max((la.thickness or 0.0) for la in plan.layers)
     surface = page.depth - slack * slant
     colors = np.ones((size[0] * size[1], 3))
-    _shade(colors, view, mesh, page, page.triangle >= 0, scale, size)
     top = surface.copy()
     for beads in _beads(plan, view, scale, surface, size):
         # a bead has no underside of its own
@@ -123,6 +122,7 @@ def rendered(plan: Plan, mesh: Mesh, view: View, size: tuple[int, int]) -> Array
         _shade(colors, view, beads, tracks, nearer, scale, size)
         top[nearer] = tracks.depth[nearer]
     on_top = top > surface
+    _shade(colors, view, mesh, page, (page.triangle >= 0) & ~on_top, scale, size)
     reach = LINE_SLACK * size[1] / scale
     edges = _lines(view, mesh.points, mesh.edges, page.depth - reach, scale, size)
     edges = edges[~on_top[edges]]

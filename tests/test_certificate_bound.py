@@ -168,7 +168,7 @@ class TestNeighboursOfAStep:
 )
 def test_what_exceeds_a_tenth_of_the_chord_is_warned_of(chord, bound, warned):
     region, certificate = section(0.0, 5.0, bound)
-    layer = Layer(index=3, radius=R, cut_radius=R, thickness=1.4, region=region, area=region.area, certificate=certificate)
+    layer = Layer(index=3, level=R, cut_level=R, thickness=1.4, region=region, area=region.area, certificate=certificate)
     process = bs.Process(layer_thickness=1.4, step_over=3.4, motion=bs.Motion(chord=chord))
     found = [n for n in notices_of_sections([layer], [], process) if n.kind is NoticeKind.OUTLINE]
     assert len(found) == warned

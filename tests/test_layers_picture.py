@@ -36,7 +36,7 @@ def polygon(corners, kappa=0.0, v=0.0):
 def layer_of(*loops):
     region = region_from_loops(SHEET, list(loops))
     certificate = Certificate(engine=Engine.ANALYTIC, residual=0.0, jog=0.0, checks={})
-    return Layer(index=0, radius=R, cut_radius=R, thickness=1.0, region=region, area=region.area, certificate=certificate)
+    return Layer(index=0, level=R, cut_level=R, thickness=1.0, region=region, area=region.area, certificate=certificate)
 
 
 RIGHT = ((0, 0), (10, 0), (15, 20), (5, 20))

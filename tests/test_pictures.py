@@ -26,7 +26,7 @@ def band_with(*loops):
     upper = Loop(curves=(LineCurve(p0=(TURN, 40.0), p1=(0.0, 40.0)),), sheet=cylinder(R), winding=-1)
     region = region_from_loops(cylinder(R), [lower, upper, *loops])
     certificate = Certificate(engine=Engine.ANALYTIC, residual=0.0, jog=0.0, checks={})
-    return Layer(index=0, radius=R, cut_radius=R, thickness=1.0, region=region, area=region.area, certificate=certificate)
+    return Layer(index=0, level=R, cut_level=R, thickness=1.0, region=region, area=region.area, certificate=certificate)
 
 
 def drawn(layer, beads=()):

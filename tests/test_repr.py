@@ -34,7 +34,7 @@ def values(plan):
     loop = piece.loops[0]
     beads = sum(len(f.beads) for f in plan.fills)
     area = bs.FillArea(piece=piece, index=0, inset=2.45, step_over=3.4, width=4.9, chord=0.01)
-    failed = bs.FailedLayer(index=3, radius=7.5, cut_radius=7.5, thickness=1.0, reason="the section does not close; " * 40)
+    failed = bs.FailedLayer(index=3, level=7.5, cut_level=7.5, thickness=1.0, reason="the section does not close; " * 40)
     patterns = (bs.Contours(count=2, skeleton=False), *(bs.Hatch(angle_deg=math.degrees(0.1 * i)) for i in range(40)))
     candidate = bs.axis_candidates(plan.part)[0]
     cylinder = bs.coaxial_cylinders(plan.part, plan.axis)[0]
@@ -102,7 +102,7 @@ def test_every_public_class_prints_one_short_line(plan):
         ("Part", {"source": "x" * 5000, "unit": "mm", "solids": ()}),
         ("Solid", {"index": 0, "name": "a\nb" * 900, "wrapped": None}),
         ("Substrate", {"radius": 1.0, "solids": tuple(range(3)), "reason": "because " * 300}),
-        ("FailedLayer", {"index": 0, "radius": 1.0, "cut_radius": 1.0, "thickness": None, "reason": "no\n" * 500}),
+        ("FailedLayer", {"index": 0, "level": 1.0, "cut_level": 1.0, "thickness": None, "reason": "no\n" * 500}),
     ],
 )
 def test_long_texts_are_shortened(kind, given):

@@ -77,7 +77,7 @@ class TestBuiltOnTooLittle:
     def layer(template, number, widths):
         loops = [rectangle(40.0 * i, 0.0, 40.0 * i + 20.0, width) for i, width in enumerate(widths)]
         region = region_from_loops(cylinder(R), loops)
-        return replace(template, index=number, radius=R, cut_radius=R, region=region, area=region.area)
+        return replace(template, index=number, level=R, cut_level=R, region=region, area=region.area)
 
     @staticmethod
     def fill(*lengths):

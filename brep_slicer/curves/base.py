@@ -31,6 +31,7 @@ class CurveKind(enum.Enum):
     """The kinds of an unrolled edge."""
 
     LINE = "line"
+    ARC = "arc"
     SINUSOID = "sinusoid"
     QUADRIC = "quadric"
     SPLINE = "spline"
@@ -81,6 +82,11 @@ class Curve(abc.ABC):
     @abc.abstractmethod
     def on_radius(self, old: float, new: float) -> Self:
         """The curve of the same angles theta on a cylinder of radius `new`, drawn now on `old`: kappa *= new / old."""
+
+    @property
+    def joints(self) -> Array:
+        """Parameters (n,) from 0 to 1 between which the curve and its pace are smooth."""
+        return np.array([0.0, 1.0])
 
     @property
     def start(self) -> Array:
@@ -174,13 +180,15 @@ def _panel() -> tuple[Array, Array]:
 def integrated(integrand: Callable[[Array, Array], Array], curve: Curve) -> float:
     """The integral over s in [0, 1] of a function of points and derivatives (n, 2), by panels until two results agree."""
     nodes, weights = _panel()
+    # a curve of several spans may change its pace from one to the next
+    joints = curve.joints
     previous, panels = np.inf, 1
     total, scale = 0.0, 1.0
     while panels <= 1024:
-        edges = np.linspace(0.0, 1.0, panels + 1)
-        half = 0.5 / panels
-        s = (edges[:-1, None] + half * (1.0 + nodes[None, :])).ravel()
-        values = integrand(*curve.at(s)) * np.tile(weights, panels) * half
+        half = np.repeat(0.5 * np.diff(joints) / panels, panels)
+        edges = np.repeat(joints[:-1], panels) + 2.0 * half * np.tile(np.arange(panels), len(joints) - 1)
+        s = (edges[:, None] + half[:, None] * (1.0 + nodes[None, :])).ravel()
+        values = integrand(*curve.at(s)) * (half[:, None] * weights[None, :]).ravel()
         total, scale = float(values.sum()), float(np.abs(values).sum())
         if abs(total - previous) <= QUADRATURE_AGREEMENT * max(scale, 1e-300) * 10.0:
             break

@@ -8,6 +8,7 @@ the closure of its sheet; *jog*, the gap between one curve's end and the next on
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -45,6 +46,12 @@ class Loop:
         return self.sheet.radius
 
     @property
+    def is_apex(self) -> bool:
+        """Whether the loop is a cone's apex, a point that goes round the axis: what bounds a region that holds it."""
+        first = self.curves[0]
+        return bool(self.winding) and len(self.curves) == 1 and bool((first.start == first.end).all())
+
+    @property
     def closure(self) -> Closure:
         """The motion from a loop to its next copy."""
         return self.sheet.closure
@@ -57,6 +64,9 @@ class Loop:
 
     def _area_above_ring(self) -> float:
         """The same where copies are turned: the integral of a form that is one for every copy, jogs by straight segments."""
+        if self.is_apex:
+            height = float(self.closure.heights_of(self.curves[0].start))
+            return -self.winding * height * (self.closure.length + 0.5 * self.closure.angle * height)
         ends, following = self._joints()
         jogs = [LineCurve(p0=a, p1=b) for a, b in zip(ends, following, strict=True)]
         return -sum(integrated(self.closure.swept_area, curve) for curve in (*self.curves, *jogs))
@@ -145,3 +155,12 @@ class Loop:
         """The loop of the same angles on another cylinder."""
         moved = tuple(curve.on_radius(self.radius, sheet.radius) for curve in self.curves)
         return Loop(curves=moved, sheet=sheet, winding=self.winding)
+
+
+def with_apex(sheet: Sheet, loops: Sequence[Loop]) -> list[Loop]:
+    """Loops on a sheet, with a cone's apex where one more than pair up goes round: what they bound holds the apex."""
+    winding = sum(loop.winding for loop in loops)
+    if sheet.closure.is_translation or abs(winding) != 1:
+        return list(loops)
+    point = LineCurve(p0=sheet.closure.apex, p1=sheet.closure.apex)
+    return [*loops, Loop(curves=(point,), sheet=sheet, winding=-winding)]

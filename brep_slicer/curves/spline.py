@@ -41,6 +41,10 @@ class SplineCurve(Curve):
         object.__setattr__(self, "breaks", breaks)
 
     @property
+    def joints(self) -> Array:
+        return self.breaks
+
+    @property
     def start(self) -> Array:
         return self.coefficients[0, 0]
 

@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 
 from brep_slicer.geometry import Brep, Face
 from brep_slicer.geometry.trimming import trimming_of
+from brep_slicer.layers import CYLINDERS, LayerFamily
 from brep_slicer.maps import Array
 
 from .monotone import EdgeStretches
-from .radial import COINCIDENCE_BAND, radii_of
+from .radial import COINCIDENCE_BAND
 from .stationary import Stationary, stationary_places
 
 # Radii that differ by less are one, mm.
@@ -50,10 +51,10 @@ class Critical:
     highest: float
 
 
-def critical_radii(brep: Brep, stretches: EdgeStretches) -> Critical:
-    """Every critical radius of a solid."""
+def critical_radii(brep: Brep, stretches: EdgeStretches, family: LayerFamily = CYLINDERS) -> Critical:
+    """Every critical level of a solid."""
     found = [
-        _off_level_edges(brep, face, stationary_places(face), stretches) if np.isnan(level) else NOWHERE
+        _off_level_edges(brep, face, stationary_places(face, family), stretches, family) if np.isnan(level) else NOWHERE
         for face, level in zip(brep.faces, stretches.face_level, strict=True)
     ]
     inside = [
@@ -62,11 +63,12 @@ def critical_radii(brep: Brep, stretches: EdgeStretches) -> Critical:
     around = [_around(face, places) for face, places in zip(brep.faces, found, strict=True)]
     level = stretches.face_level[np.isfinite(stretches.face_level)]
     rings = stretches.edge_level[np.isfinite(stretches.edge_level)]
-    peaks = [radii_of(face.surface.points(uv)) for face, uv in zip(brep.faces, inside, strict=True) if len(uv)]
+    peaks = [family.value(face.surface.points(uv)) for face, uv in zip(brep.faces, inside, strict=True) if len(uv)]
     everything = np.concatenate([stretches.vertex_rho, stretches.extremes, rings, level, *peaks])
     radii = np.unique(everything)
     radii = radii[np.diff(radii, prepend=-np.inf) > MERGE]
-    lowest = 0.0 if radii[0] < MERGE else float(radii[0])
+    # rho ends at the axis, whatever rounding says
+    lowest = 0.0 if family == CYLINDERS and radii[0] < MERGE else float(radii[0])
     return Critical(
         radii=radii,
         level=np.unique(level),
@@ -77,7 +79,7 @@ def critical_radii(brep: Brep, stretches: EdgeStretches) -> Critical:
     )
 
 
-def _off_level_edges(brep: Brep, face: Face, places: Stationary, stretches: EdgeStretches) -> Stationary:
+def _off_level_edges(brep: Brep, face: Face, places: Stationary, stretches: EdgeStretches, family: LayerFamily) -> Stationary:
     """The places without those in the noise of a level edge that the face stands on.
 
     A rolling-ball fillet is tangent to its hub all along their edge; stored as a B-spline it wanders about the hub's radius
@@ -89,23 +91,23 @@ def _off_level_edges(brep: Brep, face: Face, places: Stationary, stretches: Edge
         if edge.curve is None or not sum(len(some) for some in (places.single, places.doubts, places.level)):
             continue
         chain = edge.curve.points(np.linspace(edge.first, edge.last, SEGMENTS + 1))
-        noise = STRAYS * float(np.abs(radii_of(chain) - level).max()) + COINCIDENCE_BAND
-        near = FOOT * float(np.sqrt(2.0 * level * noise))
+        noise = STRAYS * float(np.abs(family.value(chain) - level).max()) + COINCIDENCE_BAND
+        near = FOOT * float(np.sqrt(2.0 * family.reach(chain, level) * noise))
         single, doubts, flat = (
-            some[~_at_foot(face.surface.points(some), chain, level, noise, near)] if len(some) else some
+            some[~_at_foot(family, face.surface.points(some), chain, level, noise, near)] if len(some) else some
             for some in (places.single, places.doubts, places.level)
         )
         places = Stationary(single=single, doubts=doubts, level=flat)
     return places
 
 
-def _at_foot(points: Array, chain: Array, level: float, noise: float, near: float) -> NDArray[np.bool_]:
+def _at_foot(family: LayerFamily, points: Array, chain: Array, level: float, noise: float, near: float) -> NDArray[np.bool_]:
     """Which of the points (n, 3) lie within `noise` of the level and within `near` of the chain (m, 3), mm."""
     a, d = chain[:-1], np.diff(chain, axis=0)
     along = np.einsum("nmk,mk->nm", points[:, None] - a, d) / np.maximum(np.einsum("mk,mk->m", d, d), 1e-300)
     feet = a + np.clip(along, 0.0, 1.0)[..., None] * d
     distance = np.linalg.norm(points[:, None] - feet, axis=2).min(axis=1)
-    return (np.abs(radii_of(points) - level) <= noise) & (distance <= near)
+    return (np.abs(family.value(points) - level) <= noise) & (distance <= near)
 
 
 def _inside(face: Face, uv: Array) -> Array:

@@ -1,6 +1,6 @@
-"""Edges cut into stretches along which rho rises or falls: each crosses a layer at most once.
+"""Edges cut into stretches along which the level c (rho, on cylinders) rises or falls: each crosses a layer at most once.
 
-In: a geometry.Brep. Out: EdgeStretches, arrays over all stretches of all edges.
+In: a geometry.Brep, a family of layers. Out: EdgeStretches, arrays over all stretches of all edges.
 
 Words: *stretch*, a part of an edge between two neighbouring extremes of rho (or its ends); *level*, a face or an edge whose
 radii differ by less than the coincidence band; *effective radius*, what a point counts as: everything that a level face or
@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from brep_slicer.geometry import Brep, Edge, ElementarySurface, SurfaceKind
+from brep_slicer.layers import CYLINDERS, LayerFamily
 from brep_slicer.maps import Array
 
-from .flatness import radii_on_flatter_face, uses_of_edges
-from .radial import COINCIDENCE_BAND, SNAP, radii_of
+from .flatness import levels_on_flatter_face, uses_of_edges
+from .radial import COINCIDENCE_BAND, SNAP
 from .turning_points import turning_points
 
 
@@ -38,14 +39,14 @@ class EdgeStretches:
     extremes: Array
 
 
-def edge_stretches(brep: Brep) -> EdgeStretches:
+def edge_stretches(brep: Brep, family: LayerFamily = CYLINDERS) -> EdgeStretches:
     """Cut all edges of a solid, and settle the effective radii."""
-    cuts = turning_points(brep.edges)
-    ranges = np.array([_edge_range(edge, cut) for edge, cut in zip(brep.edges, cuts, strict=True)]).reshape(-1, 2)
+    cuts = turning_points(brep.edges, family)
+    ranges = np.array([_edge_range(edge, cut, family) for edge, cut in zip(brep.edges, cuts, strict=True)]).reshape(-1, 2)
     level_edges = ranges[:, 1] - ranges[:, 0] <= COINCIDENCE_BAND
-    level_faces, exact = _level_faces(brep, level_edges)
+    level_faces, exact = _level_faces(brep, level_edges, family)
     level_edges, level_faces = _without_chains(brep, ranges, level_edges, level_faces, exact)
-    vertex_rho, edge_level, face_level = _effective(brep, ranges, level_edges, level_faces, exact)
+    vertex_rho, edge_level, face_level = _effective(brep, ranges, level_edges, level_faces, exact, family)
     uses = uses_of_edges(brep, np.flatnonzero([len(cut) > 0 for cut in cuts]))
     edges, params, radii, extremes = [], [], [], []
     for number, (edge, cut) in enumerate(zip(brep.edges, cuts, strict=True)):
@@ -53,9 +54,9 @@ def edge_stretches(brep: Brep) -> EdgeStretches:
             continue
         t = np.concatenate([[edge.first], cut, [edge.last]])
         points = edge.curve.points(t)
-        rho = radii_of(points)
+        rho = family.value(points)
         if len(cut):
-            rho[1:-1] = radii_on_flatter_face(uses[number], cut, points[1:-1])
+            rho[1:-1] = levels_on_flatter_face(uses[number], cut, points[1:-1], family)
         extremes.append(rho[1:-1].copy())
         # a layer that just touches the lowest point of an edge does not cross it: nothing is cut off, and no two nodes coincide
         turns_up = (rho[1:-1] < rho[:-2]) & (rho[1:-1] < rho[2:])
@@ -75,15 +76,15 @@ def edge_stretches(brep: Brep) -> EdgeStretches:
     )
 
 
-def _edge_range(edge: Edge, cut: Array) -> tuple[float, float]:
+def _edge_range(edge: Edge, cut: Array, family: LayerFamily) -> tuple[float, float]:
     if edge.curve is None:
         return (np.nan, np.nan)
     between = np.linspace(edge.first, edge.last, 9)
-    rho = radii_of(edge.curve.points(np.concatenate([between, cut])))
+    rho = family.value(edge.curve.points(np.concatenate([between, cut])))
     return float(rho.min()), float(rho.max())
 
 
-def _level_faces(brep: Brep, level_edges: Array) -> tuple[Array, Array]:
+def _level_faces(brep: Brep, level_edges: Array, family: LayerFamily) -> tuple[Array, Array]:
     """Which faces are coaxial cylinders within the band, and the radius (nan if it is not) of those that are so exactly.
 
     A face stored as a coaxial cylinder is level whatever its edges say, and makes them level: edges between it and a free-form
@@ -91,16 +92,16 @@ def _level_faces(brep: Brep, level_edges: Array) -> tuple[Array, Array]:
     """
     level, exact = np.zeros(len(brep.faces), dtype=bool), np.full(len(brep.faces), np.nan)
     for i, face in enumerate(brep.faces):
-        if face.surface.kind is SurfaceKind.PLANE:
+        if face.surface.kind is SurfaceKind.PLANE and not family.owns("plane"):
             continue
         lines = [np.linspace(face.box[0, k], face.box[1, k], 7) for k in (0, 1)]
         uv = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
-        rho = radii_of(face.surface.points(uv))
+        rho = family.value(face.surface.points(uv))
         if rho.max() - rho.min() > COINCIDENCE_BAND:
             continue
         uses = [use.edge for loop in face.loops for use in loop]
-        if isinstance(face.surface, ElementarySurface) and face.surface.kind is SurfaceKind.CYLINDER:
-            level[i], exact[i] = True, face.surface.radius
+        if isinstance(face.surface, ElementarySurface) and family.owns(face.surface.kind.value):
+            level[i], exact[i] = True, face.surface.radius if family.owns("cylinder") else float(np.median(rho))
             level_edges[[e for e in uses if brep.edges[e].curve is not None]] = True
         else:
             level[i] = all(level_edges[e] or brep.edges[e].curve is None for e in uses)
@@ -158,7 +159,9 @@ def _corners(brep: Brep, face: int) -> list[int]:
     return [v for loop in brep.faces[face].loops for use in loop for v in brep.edges[use.edge].vertices]
 
 
-def _effective(brep: Brep, ranges: Array, level_edges: Array, level_faces: Array, exact: Array) -> tuple[Array, Array, Array]:
+def _effective(
+    brep: Brep, ranges: Array, level_edges: Array, level_faces: Array, exact: Array, family: LayerFamily
+) -> tuple[Array, Array, Array]:
     """Effective radii of vertices, edges and faces.
 
     A group that holds a coaxial cylinder counts as its radius; any other as its lowest point (a layer inside of the band then
@@ -167,7 +170,7 @@ def _effective(brep: Brep, ranges: Array, level_edges: Array, level_faces: Array
     roots = _groups(brep, level_edges, level_faces)
     count = len(brep.vertices)
     lowest, cylinder = np.full(count, np.inf), np.full(count, np.inf)
-    np.minimum.at(lowest, roots, radii_of(brep.vertices))
+    np.minimum.at(lowest, roots, family.value(brep.vertices))
     for number in np.flatnonzero(level_edges):
         group = roots[brep.edges[number].vertices[0]]
         lowest[group] = min(lowest[group], ranges[number, 0])

@@ -24,8 +24,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from brep_slicer.geometry import ElementarySurface, Face, Patches, Revolution, SurfaceKind, patches_of
-from brep_slicer.geometry.polynomials import bernstein_product, bernstein_with_slope
+from brep_slicer.geometry.polynomials import bernstein_with_slope
+from brep_slicer.layers import CYLINDERS, LayerFamily
 from brep_slicer.maps import Array
+
+from .slopes import Boxes, boxes_of, halving, raised, slope
 
 # What an island inside of a box may rise at most where the bounds call the box empty, mm.
 LOWEST_ISLAND = 1e-10
@@ -55,37 +58,18 @@ class Stationary:
     level: Array
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Boxes:
-    """Parts of patches: number of the patch, local corner (n, 2) and size, G there (n, 2, p + 1, q + 1), its noise (n,)."""
-
-    which: NDArray[np.int64]
-    corner: Array
-    size: Array
-    g: Array
-    noise: Array
-
-    def __len__(self) -> int:
-        return len(self.which)
-
-    def select(self, rows: NDArray[np.bool_] | NDArray[np.int64]) -> _Boxes:
-        return _Boxes(
-            which=self.which[rows], corner=self.corner[rows], size=self.size[rows], g=self.g[rows], noise=self.noise[rows]
-        )
-
-
-def stationary_places(face: Face) -> Stationary:
+def stationary_places(face: Face, family: LayerFamily = CYLINDERS) -> Stationary:
     """All of a face's box, whether inside of its outline or not."""
     none = np.zeros((0, 2))
     surface = face.surface
     if not (face.box[1] > face.box[0]).all():
         return Stationary(single=none, doubts=none, level=none)
     if surface.kind is SurfaceKind.PLANE:
-        return Stationary(single=_foot_on_plane(face), doubts=none, level=none)
-    if _same_along(face):
+        return Stationary(single=_on_plane(face, family), doubts=none, level=none)
+    if family.is_revolved and _same_along(face):
         return Stationary(single=none, doubts=none, level=none)
     patches = patches_of(surface, face.box)
-    boxes = _whole(patches)
+    boxes = boxes_of(patches, family)
     found, doubts = [none], [none]
     for depth in range(MOST_HALVINGS + 1):
         if not len(boxes):
@@ -105,12 +89,14 @@ def stationary_places(face: Face) -> Stationary:
         boxes = _halved(boxes)
     single, doubtful = (_within(face, np.concatenate(some)) for some in (found, doubts))
     some = doubtful[:: max(1, len(doubtful) // MOST_DOUBTS)]
-    return Stationary(single=single, doubts=some, level=_within(face, _crept(face, some)))
+    return Stationary(single=single, doubts=some, level=_within(face, _crept(face, some, family)))
 
 
-def _foot_on_plane(face: Face) -> Array:
-    """Where the axis meets a plane, (1, 2) or (0, 2)."""
+def _on_plane(face: Face, family: LayerFamily) -> Array:
+    """Where the axis meets a plane, (1, 2) or (0, 2): elsewhere the level has a slope all over it."""
     surface = face.surface
+    if not family.is_revolved:
+        return np.zeros((0, 2))
     assert isinstance(surface, ElementarySurface)
     normal = surface.frame[2]
     if abs(normal[2]) < 1e-12:
@@ -130,38 +116,7 @@ def _same_along(face: Face) -> bool:
     return surface.kind is SurfaceKind.EXTRUSION and bool(np.hypot(*surface.direction[:2]) < 1e-12)  # type: ignore[attr-defined]
 
 
-def _whole(patches: Patches) -> _Boxes:
-    """Every patch as a box, with G by the product rule on Bernstein coefficients."""
-    x, y, w = (patches.control[..., k] for k in (0, 1, 3))
-    n = bernstein_product(x, x) + bernstein_product(y, y)
-    size = np.abs(n).max(axis=(1, 2))
-    if float(np.ptp(w)) == 0.0:
-        parts = [_raised(_slope(n, axis), axis) for axis in (0, 1)]
-        lightest = np.ones(len(n))
-    else:
-        parts = [
-            _raised(bernstein_product(_slope(n, axis), w) - 2.0 * bernstein_product(n, _slope(w, axis)), axis)
-            for axis in (0, 1)
-        ]
-        lightest = w.min(axis=(1, 2)) ** 3
-    # an island in a box rises by |G| / (2 rho W**3) at most
-    noise = np.maximum(2.0 * np.sqrt(size) * LOWEST_ISLAND * lightest, 1e-14 * size * np.abs(w).max(axis=(1, 2)))
-    count = len(n)
-    return _Boxes(
-        which=np.arange(count), corner=np.zeros((count, 2)), size=np.ones((count, 1)), g=np.stack(parts, axis=1), noise=noise
-    )
-
-
-def _slope(a: Array, axis: int) -> Array:
-    return a.shape[1 + axis] * np.diff(a, axis=1 + axis) - np.diff(a, axis=1 + axis)
-
-
-def _raised(a: Array, axis: int) -> Array:
-    """The same polynomials one degree higher along an axis."""
-    return bernstein_product(a, np.ones((1, 2, 1) if axis == 0 else (1, 1, 2)))
-
-
-def _sides(face: Face, patches: Patches, boxes: _Boxes) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def _sides(face: Face, patches: Patches, boxes: Boxes) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Whether boxes lie outside of the face's box (n,), and which coefficients of theirs are of its sides (n, p + 1, q + 1)."""
     slack = 1e-9 * (face.box[1] - face.box[0])
     low = patches.parameters(boxes.which, boxes.corner)
@@ -175,7 +130,7 @@ def _sides(face: Face, patches: Patches, boxes: _Boxes) -> tuple[NDArray[np.bool
     return outside, border
 
 
-def _along(boxes: _Boxes) -> Array:
+def _along(boxes: Boxes) -> Array:
     """g . G (n, 5, p + 1, q + 1) for five directions g: the mean of G, and both ways along u and v."""
     mean = boxes.g.mean(axis=(2, 3))
     mean /= np.maximum(np.abs(mean).max(axis=1), 1e-300)[:, None]
@@ -183,17 +138,17 @@ def _along(boxes: _Boxes) -> Array:
     return np.concatenate([middle[:, None], boxes.g, -boxes.g], axis=1)
 
 
-def _empty(boxes: _Boxes, outside: NDArray[np.bool_], border: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _empty(boxes: Boxes, outside: NDArray[np.bool_], border: NDArray[np.bool_]) -> NDArray[np.bool_]:
     noise = boxes.noise[:, None, None]
     lowest = (_along(boxes) + np.where(border, 2.0 * noise, 0.0)[:, None]).min(axis=(2, 3))
     return outside | (lowest.max(axis=1) > boxes.noise)
 
 
-def _touched(boxes: _Boxes) -> NDArray[np.bool_]:
+def _touched(boxes: Boxes) -> NDArray[np.bool_]:
     return _along(boxes).min(axis=(2, 3)).max(axis=1) >= -boxes.noise
 
 
-def _single_places(patches: Patches, boxes: _Boxes) -> tuple[Array, NDArray[np.bool_]]:
+def _single_places(patches: Patches, boxes: Boxes) -> tuple[Array, NDArray[np.bool_]]:
     """The places of boxes that have one at most and where Newton ended inside, (k, 2), and which boxes those are."""
     g = boxes.g
     jacobian = np.stack([_slope_of_g(g, axis) for axis in (0, 1)], axis=2)  # (n, component, derivative, ...)
@@ -216,10 +171,10 @@ def _slope_of_g(g: Array, axis: int) -> Array:
     """dG / d local coordinate, raised to G's own degree."""
     n, two, p, q = g.shape
     flat = g.reshape(n * two, p, q)
-    return _raised(_slope(flat, axis), axis).reshape(g.shape)
+    return raised(slope(flat, axis), axis).reshape(g.shape)
 
 
-def _settle(patches: Patches, boxes: _Boxes, found: list[Array], doubts: list[Array]) -> None:
+def _settle(patches: Patches, boxes: Boxes, found: list[Array], doubts: list[Array]) -> None:
     """Add what Newton finds from nine points of each box, and the middles of those boxes where it finds nothing."""
     seeds = np.stack(np.meshgrid([0.0, 0.5, 1.0], [0.0, 0.5, 1.0], indexing="ij"), axis=-1).reshape(-1, 2)
     rows = np.repeat(np.arange(len(boxes)), len(seeds))
@@ -253,15 +208,15 @@ def _newton(g: Array, local: Array) -> tuple[Array, NDArray[np.bool_]]:
     return local, single & inside & (np.abs(move).max(axis=1, initial=0.0) < 1e-7)
 
 
-def _places(patches: Patches, boxes: _Boxes, local: Array) -> Array:
+def _places(patches: Patches, boxes: Boxes, local: Array) -> Array:
     return patches.parameters(boxes.which, boxes.corner + local * boxes.size)
 
 
-def _halved(boxes: _Boxes) -> _Boxes:
+def _halved(boxes: Boxes) -> Boxes:
     """Each box in four, by de Casteljau."""
     g, corner = [boxes.g], [boxes.corner]
     for axis in (0, 1):
-        low, high = _halving(boxes.g.shape[2 + axis] - 1)
+        low, high = halving(boxes.g.shape[2 + axis] - 1)
         moved = np.zeros(2)
         moved[axis] = 0.5
         shift = boxes.size * moved
@@ -269,7 +224,7 @@ def _halved(boxes: _Boxes) -> _Boxes:
         g = [np.einsum(formula, m, part, optimize=True) for part in g for m in (low, high)]
         corner = [c + s for c in corner for s in (0.0 * shift, shift)]
     # along a box of half the size, G per local coordinate of the patch stays what it is; only its sign counts, not its size
-    return _Boxes(
+    return Boxes(
         which=np.tile(boxes.which, 4),
         corner=np.concatenate(corner),
         size=np.tile(0.5 * boxes.size, (4, 1)),
@@ -278,17 +233,7 @@ def _halved(boxes: _Boxes) -> _Boxes:
     )
 
 
-def _halving(degree: int) -> tuple[Array, Array]:
-    """Matrices that give the Bernstein coefficients of a polynomial's first and second half."""
-    low = np.zeros((degree + 1, degree + 1))
-    low[0, 0] = 1.0
-    for i in range(1, degree + 1):
-        low[i, 0] = 0.5 * low[i - 1, 0]
-        low[i, 1:] = 0.5 * (low[i - 1, 1:] + low[i - 1, :-1])
-    return low, low[::-1, ::-1]
-
-
-def _crept(face: Face, uv: Array) -> Array:
+def _crept(face: Face, uv: Array, family: LayerFamily) -> Array:
     """Where rho is stationary near places (n, 2), by Newton with a pseudo-inverse, which creeps where a root is multiple."""
     if not len(uv):
         return uv
@@ -296,7 +241,7 @@ def _crept(face: Face, uv: Array) -> Array:
 
     def slope(at: Array) -> Array:
         p, su, sv = face.surface.derivatives(at)
-        return np.stack([(p[:, :2] * su[:, :2]).sum(axis=1) * size[0], (p[:, :2] * sv[:, :2]).sum(axis=1) * size[1]], axis=1)
+        return np.stack([family.rise(p, su) * size[0], family.rise(p, sv) * size[1]], axis=1)
 
     at, h = uv.copy(), 1e-5
     beside = h * size * np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])

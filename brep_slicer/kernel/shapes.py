@@ -233,3 +233,11 @@ def shape_from_bytes(data: bytes) -> Any:
     if shape.IsNull():
         raise InputError("these bytes are no BREP shape; write them with BinTools or BRepTools")
     return shape
+
+
+def holds_point(shape: Any, point: np.ndarray) -> bool:
+    """Whether a point (3,) in mm lies inside of a solid."""
+    from OCP.BRepClass3d import BRepClass3d_SolidClassifier
+    from OCP.TopAbs import TopAbs_IN
+
+    return bool(BRepClass3d_SolidClassifier(shape, gp_Pnt(*point.tolist()), 1e-9).State() == TopAbs_IN)

@@ -74,19 +74,21 @@ class Motion(NamedTuple):
 class Closure:
     """Of a chart whose ring at height 0 is `length` mm once round, and which turns by `angle` (rad, clockwise) a turn.
 
+    `length` may be an array: of many sheets of one family at once, broadcast against the points' (...).
+
     `angle` is 0 on a cylinder, -2 pi sin(alpha) on a cone; `length` is infinite on a sheet without a closure (a plane), and may
     be 0 or less on a cone whose ring at height 0 lies beyond its apex. Round a cone's apex the plane is used up after
     2 pi / |angle| turns (1.15 on a cone of 60 degrees): what lies farther than half of that from the generator at theta = 0 is
     taken for a copy nearer by, so that longer ways are followed point by point.
     """
 
-    length: float
+    length: Any
     angle: float = 0.0
 
     @property
     def is_open(self) -> bool:
         """Whether the chart has no two sides: nothing has copies."""
-        return math.isinf(self.length)
+        return np.ndim(self.length) == 0 and bool(self.length == math.inf)
 
     @property
     def is_translation(self) -> bool:
@@ -171,9 +173,8 @@ class Closure:
             return y
         # rings round the apex: (length + angle * height)**2 = (angle * x)**2 + (length + angle * y)**2
         size = np.hypot(self.angle * x, self.length + self.angle * y)
-        if self.length <= 0.0:
-            return (size - self.length) / self.angle
-        return (2.0 * self.length * y + self.angle * (x * x + y * y)) / (size + self.length)
+        near = (2.0 * self.length * y + self.angle * (x * x + y * y)) / np.where(self.length > 0.0, size + self.length, 1.0)
+        return np.where(self.length > 0.0, near, (size - self.length) / self.angle)
 
     def swept_area(self, points: Array, derivatives: Array) -> Array:
         """What a generator sweeps from the ring of `length` up to points (n, 2) that move by `derivatives` (n, 2): (n,), mm**2.
@@ -189,6 +190,15 @@ class Closure:
         """The point (..., 2) so many turns round and so high along its generator: the inverse of `turns_of`, `heights_of`."""
         start = np.stack(np.broadcast_arrays(np.zeros_like(np.asarray(turns, dtype=np.float64)), heights), axis=-1)
         return self.moved(start, turns)
+
+    @property
+    def apex(self) -> Array:
+        """Where a cone's generators meet in the plane, (kappa, v), mm."""
+        return np.array([0.0, -self.length / self.angle])
+
+    def heading_of_ring(self, turns: float) -> float:
+        """The direction of rings so many turns round, rad from +kappa towards +v, towards more turns."""
+        return -self.angle * turns
 
     def copies_of(self, points: Array, first: float = -0.5) -> Array:
         """Which copy each of points (..., 2) is, (...) whole: 0 from `first` (turns) to a turn further on."""
@@ -208,7 +218,10 @@ class Closure:
             d = b - a
             along = d[..., 0] if self.is_open else d[..., 0] - self.length * np.round(d[..., 0] / self.length)
             return np.hypot(along, d[..., 1])
-        return np.hypot(*np.moveaxis(self.moved(b, self.nearest_turns(b, a)) - a, -1, 0))
+        # a place may be more turns round than the plane tells: a whole circle about the apex is less than two turns
+        once, apart = TURN / abs(self.angle), self.turns_of(a) - self.turns_of(b)
+        copies = [self.moved(b, np.round(apart + k * once)) for k in (-1.0, 0.0, 1.0)]
+        return np.min([np.hypot(*np.moveaxis(copy - a, -1, 0)) for copy in copies], axis=0)
 
     def span_of(self, box: tuple[float, float, float, float]) -> tuple[float, float]:
         """From where to where a box (x0, y0, x1, y1; mm) reaches round the axis, in turns."""

@@ -166,7 +166,7 @@ def _cut(
     out: list[Layer | FailedLayer] = []
     for i, layer in zip(numbers, sliced, strict=True):
         radius = stack.radii[i]
-        layer = replace(layer, index=i, radius=radius, thickness=stack.thicknesses[i])
+        layer = replace(layer, index=i, level=radius, thickness=stack.thicknesses[i])
         if isinstance(layer, Layer) and substrate.zones:
             layer = _without_zones(layer, substrate)
         if isinstance(layer, Layer):
@@ -183,8 +183,8 @@ def _without_zones(layer: Layer, substrate: Substrate) -> Layer | FailedLayer:
     except LayerError as error:
         return FailedLayer(
             index=layer.index,
-            radius=layer.radius,
-            cut_radius=layer.cut_radius,
+            level=layer.level,
+            cut_level=layer.cut_level,
             thickness=layer.thickness,
             reason=f"collars that stand cannot be taken away: {error}",
         )

@@ -9,7 +9,7 @@ from .parameters import Process
 from .patterns import PATTERNS
 from .rules import Rule
 from .toml import process_from_values, read_process, read_process_values
-from .values import CutAt, LastLayer, Order, OutlinePosition, check_radii, choice, layer_range
+from .values import CutAt, LastLayer, Order, OutlinePosition, check_levels, check_radii, choice, layer_range
 
 __all__ = [
     "GROUPS",
@@ -26,6 +26,7 @@ __all__ = [
     "Powder",
     "Process",
     "Rule",
+    "check_levels",
     "check_radii",
     "choice",
     "layer_range",

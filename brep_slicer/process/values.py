@@ -74,6 +74,19 @@ def check_radii(radii: Sequence[float]) -> tuple[float, ...]:
     return values
 
 
+def check_levels(levels: Sequence[float]) -> tuple[float, ...]:
+    """Increasing levels of a family of layers, or an InputError that says which one is not."""
+    if isinstance(levels, str) or not isinstance(levels, Iterable):
+        raise InputError(f"the levels are {levels!r}; give a list of increasing numbers, mm")
+    values = tuple(finite("level", c) for c in levels)
+    if not values:
+        raise InputError("the list of levels is empty; give one at least")
+    for before, after in itertools.pairwise(values):
+        if after <= before:
+            raise InputError(f"level {after:g} mm follows {before:g} mm; the levels must increase")
+    return values
+
+
 def finite(name: str, value: Any) -> float:
     try:
         number = float(value)

@@ -110,11 +110,11 @@ def _grown_layer(
             worst = max(layer.certificate.residual for layer in whole) + chord + reach**2 / radius
             certificate = replace(nearest.certificate, residual=worst, checks=checks)
             return replace(
-                nearest, index=index, radius=radius, cut_radius=radius, region=region, area=region.area, certificate=certificate
+                nearest, index=index, level=radius, cut_level=radius, region=region, area=region.area, certificate=certificate
             )
         except LayerError as error:
             reason = str(error)
-    return FailedLayer(index=index, radius=radius, cut_radius=radius, thickness=None, reason=reason)
+    return FailedLayer(index=index, level=radius, cut_level=radius, thickness=None, reason=reason)
 
 
 def grown_region(

@@ -1,4 +1,4 @@
-"""What cutting a part at one radius gives: a Layer, or a FailedLayer that says why not.
+"""What cutting a part at one level gives: a Layer, or a FailedLayer that says why not.
 
 In: the region and what an engine checked. Out: frozen results; a failed layer is a type of its own, so that it can never be
 taken for an empty one.
@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from brep_slicer.layers import cylinder
+from brep_slicer.layers import CYLINDERS, LayerFamily
 from brep_slicer.section import Certificate
 from brep_slicer.substrate.axis import Axis
 from brep_slicer.wording import counted, shortened
@@ -19,14 +19,15 @@ from .region import Region
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Layer:
-    """One layer: the nominal `radius` that is deposited on, the `cut_radius` where the part was cut, the region.
+    """One layer: the nominal `level` c that is deposited on (mm), the `cut_level` where the part was cut, the region.
 
-    The region is drawn on `radius` (kappa = radius * theta); `area` is the area at the cut radius, in mm**2.
+    Where layers are cylinders, levels are radii: `radius`, `cut_radius`. The region is drawn on the sheet at `level` (there
+    kappa = radius * theta); `area` is the area at the cut level, in mm**2.
     """
 
     index: int
-    radius: float
-    cut_radius: float
+    level: float
+    cut_level: float
     thickness: float | None
     region: Region
     area: float
@@ -34,7 +35,23 @@ class Layer:
 
     def __repr__(self) -> str:
         pieces, engine = counted(len(self.region.pieces), "piece"), self.certificate.engine.value
-        return f"Layer({self.index}: R {self.radius:.6g} mm, {pieces}, {self.area:.6g} mm2, {engine})"
+        return f"Layer({self.index}: {self.region.sheet.label}, {pieces}, {self.area:.6g} mm2, {engine})"
+
+    @property
+    def radius(self) -> float:
+        """The level of a cylinder, mm.
+
+        Raises
+        ------
+        TypeError
+            If the layer is none: ask for its level.
+        """
+        return self.region.sheet.family.radius(self.level)
+
+    @property
+    def cut_radius(self) -> float:
+        """The radius where the part was cut, mm; as `radius`."""
+        return self.region.sheet.family.radius(self.cut_level)
 
     @property
     def failed(self) -> bool:
@@ -53,7 +70,7 @@ class Layer:
         """
         from .faces import shape_of_region
 
-        return shape_of_region(self.region.on_sheet(cylinder(self.cut_radius)), axis)
+        return shape_of_region(self.region.on_sheet(self.region.sheet.family.sheet(self.cut_level)), axis)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,13 +78,24 @@ class FailedLayer:
     """A layer that no engine could cut with certainty; it has no area and no region."""
 
     index: int
-    radius: float
-    cut_radius: float
+    level: float
+    cut_level: float
     thickness: float | None
     reason: str
+    family: LayerFamily = CYLINDERS
 
     def __repr__(self) -> str:
-        return f"FailedLayer({self.index}: R {self.radius:.6g} mm, {shortened(self.reason, 100)})"
+        return f"FailedLayer({self.index}: {self.family.label(self.level)}, {shortened(self.reason, 100)})"
+
+    @property
+    def radius(self) -> float:
+        """The level of a cylinder, mm; as that of a `Layer`."""
+        return self.family.radius(self.level)
+
+    @property
+    def cut_radius(self) -> float:
+        """The radius where the part was cut, mm; as that of a `Layer`."""
+        return self.family.radius(self.cut_level)
 
     @property
     def failed(self) -> bool:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from brep_slicer.curves import Loop
+from brep_slicer.curves import Loop, with_apex
 from brep_slicer.errors import LayerError
 from brep_slicer.layers import Closure, Sheet
 from brep_slicer.wording import counted
@@ -112,7 +112,7 @@ def region_from_loops(sheet: Sheet, loops: Iterable[Loop]) -> Region:
     areas = [loop.signed_area() for loop in flat]
     outers = [_centred(loop) for loop, area in zip(flat, areas, strict=True) if area > 0.0]
     holes = [loop for loop, area in zip(flat, areas, strict=True) if area <= 0.0]
-    bands = _paired_bands([loop for loop in loops if loop.winding != 0])
+    bands = _paired_bands(with_apex(sheet, [loop for loop in loops if loop.winding != 0]))
     shapes = [_nesting_polygon(loop) for loop in outers] if holes else []
     # a sliver that its samples do not show holds none
     order = sorted((i for i, shape in enumerate(shapes) if not shape.is_empty), key=lambda i: shapes[i].area)

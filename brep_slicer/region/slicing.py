@@ -1,6 +1,6 @@
-"""A part cut at given radii: every solid by itself, the sections joined in the plane.
+"""A part cut at given levels: every solid by itself, the sections joined in the plane.
 
-In: a part, radii, an axis. Out: one Layer or FailedLayer per radius.
+In: a part, levels (radii, on cylinders), an axis. Out: one Layer or FailedLayer per level.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from brep_slicer.errors import InputError, LayerError
-from brep_slicer.layers import cylinder
+from brep_slicer.layers import CYLINDERS, LayerFamily, Sheet
 from brep_slicer.maps import Array
 from brep_slicer.part import as_part
-from brep_slicer.process import check_radii, choice
+from brep_slicer.process import check_levels, check_radii, choice
 from brep_slicer.section import Certificate, CutSolid, Engine, cut_solids
 from brep_slicer.section.boolean import COINCIDENCE_STEP, COINCIDENT
 from brep_slicer.section.certificate import LARGEST_ERROR
@@ -39,21 +39,25 @@ def slice_part(
     axis: Any = None,
     engine: Engine | str = Engine.ANALYTIC,
     substrate_solids: Sequence[int] = (),
+    family: LayerFamily = CYLINDERS,
 ) -> list[Layer | FailedLayer]:
-    """Cut a part with coaxial cylinders.
+    """Cut a part with coaxial cylinders, or with the layers of another family.
 
     Parameters
     ----------
     part
         A Part, or anything that `as_part` takes.
     radii : sequence of float
-        Increasing radii, mm.
+        Increasing radii, mm; of another family its levels c.
     axis : optional
         An Axis, a text, or a host's line, plane or vector, as `as_axis` takes them; found by `find_axis` if not given.
     engine : Engine or str
         ANALYTIC (level sets of rho, exact; falls back to the other where its certificate fails) or BOOLEAN (OCCT).
     substrate_solids : sequence of int
         Indices of solids that are built upon: their sections are taken away from those of the others.
+    family : LayerFamily
+        Cylinders(), Cones(half_angle) or Planes(normal), about the axis and in its frame. Other layers than cylinders are cut
+        by the analytic engine only.
 
     Returns
     -------
@@ -67,13 +71,16 @@ def slice_part(
     PlanningError
         If the part has no axis, or several.
     """
-    checked, cutter = check_radii(radii), choice("engine", engine, Engine)
+    checked = check_radii(radii) if family == CYLINDERS else check_levels(radii)
+    cutter = choice("engine", engine, Engine)
+    if family != CYLINDERS and cutter is not Engine.ANALYTIC:
+        raise InputError(f"layers that are {family.name} are cut by the analytic engine, not by {cutter.value}")
     part = as_part(part)
     axis = as_axis(axis, part)
     unknown = set(substrate_solids) - {s.index for s in part.solids}
     if unknown:
         raise InputError(f"{part.source}: there is no solid {min(unknown)} to be the substrate")
-    solids = cut_solids(part, axis)
+    solids = cut_solids(part, axis, family)
     return slice_solids(solids, checked, engine=cutter, substrate_solids=substrate_solids)
 
 
@@ -87,31 +94,33 @@ def slice_solids(
 ) -> list[Layer | FailedLayer]:
     """`slice_part` for solids that are ready; `progress` is called with the number of each finished layer."""
     ahead = {s.index: SolidSections(s, radii, engine) for s in solids}
+    family = solids[0].family if solids else CYLINDERS
     out: list[Layer | FailedLayer] = []
     for i, radius in enumerate(radii):
         sections = {s.index: _section(ahead[s.index], i) for s in solids}
         if len(solids) > 1:
             meeting = _meeting_stepped(sections, [n for n in sections if _changes(ahead[n].solid, radius)])
             sections |= _side_by_side({n: ahead[n] for n in meeting}, radius)
-        out.append(_layer(i, radius, sections, set(substrate_solids)))
+        out.append(_layer(i, family.sheet(float(radius)), sections, set(substrate_solids)))
         if progress is not None:
             progress(i)
     return out
 
 
 def _section(sections: SolidSections, i: int) -> Section:
-    """A solid's section at radius number i as a region; a region that the loops do not make sends the layer to the fallback."""
-    radius, loops = float(sections.radii[i]), sections.section(i)
+    """A solid's section at level number i as a region; a region that the loops do not make sends the layer to the fallback."""
+    loops = sections.section(i)
+    sheet = sections.solid.family.sheet(float(sections.radii[i]))
     if isinstance(loops, LayerError):
         return loops
     try:
-        return region_from_loops(cylinder(radius), loops[0]), loops[1]
+        return region_from_loops(sheet, loops[0]), loops[1]
     except LayerError as error:
         if loops[1].fallback or loops[1].engine is Engine.BOOLEAN:
             return error
         second = sections.fallback(i, str(error))
     try:
-        return second if isinstance(second, LayerError) else (region_from_loops(cylinder(radius), second[0]), second[1])
+        return second if isinstance(second, LayerError) else (region_from_loops(sheet, second[0]), second[1])
     except LayerError as error:
         return error
 
@@ -161,10 +170,11 @@ def _side_by_side(solids: dict[int, SolidSections], radius: float) -> dict[int, 
     """Solids cut at one radius a step farther out, drawn on `radius`; none if one of them cannot be, or moves too far."""
     out: dict[int, Section] = {}
     for index, solid in solids.items():
+        sheet = solid.solid.family.sheet(radius)
         near, far = (_section(solid.beside(radius + k * COINCIDENCE_STEP), 0) for k in (1.0, 2.0))
         if isinstance(near, LayerError) or isinstance(far, LayerError) or _stepped(near):
             return {}
-        region, beyond = near[0].on_sheet(cylinder(radius)), far[0].on_sheet(cylinder(radius))
+        region, beyond = near[0].on_sheet(sheet), far[0].on_sheet(sheet)
         moved = moved_by_step(region.loops, beyond.loops, (1.0, 2.0))
         reason = near[1].fallback or "a neighbour was cut beside its radius"
         certificate = replace(near[1], residual=max(near[1].residual, moved), fallback=reason, coincident=True)
@@ -174,22 +184,23 @@ def _side_by_side(solids: dict[int, SolidSections], radius: float) -> dict[int, 
     return out
 
 
-def _layer(index: int, radius: float, sections: dict[int, Section], substrate: set[int]) -> Layer | FailedLayer:
+def _layer(index: int, sheet: Sheet, sections: dict[int, Section], substrate: set[int]) -> Layer | FailedLayer:
     several = len(sections) > 1
     failed = [f"solid {n}: {s}" if several else str(s) for n, s in sections.items() if isinstance(s, LayerError)]
     reason = "; ".join(failed)
     if not failed:
         try:
-            return _joined(index, radius, sections, substrate)  # type: ignore[arg-type]
+            return _joined(index, sheet, sections, substrate)  # type: ignore[arg-type]
         except LayerError as error:
             reason = str(error)
-    return FailedLayer(index=index, radius=radius, cut_radius=radius, thickness=None, reason=reason)
+    level = sheet.level
+    return FailedLayer(index=index, level=level, cut_level=level, thickness=None, reason=reason, family=sheet.family)
 
 
-def _joined(index: int, radius: float, sections: dict[int, tuple[Region, Certificate]], substrate: set[int]) -> Layer:
+def _joined(index: int, sheet: Sheet, sections: dict[int, tuple[Region, Certificate]], substrate: set[int]) -> Layer:
     features = [region for i, (region, _) in sections.items() if i not in substrate]
     standing = [region for i, (region, _) in sections.items() if i in substrate]
-    region = union_of_regions(cylinder(radius), features)
+    region = union_of_regions(sheet, features)
     for other in standing:
         region = difference_of_regions(region, other)
     certificate = _merged({i: c for i, (_, c) in sections.items()})
@@ -203,8 +214,8 @@ def _joined(index: int, radius: float, sections: dict[int, tuple[Region, Certifi
         )
     return Layer(
         index=index,
-        radius=radius,
-        cut_radius=radius,
+        level=sheet.level,
+        cut_level=sheet.level,
         thickness=None,
         region=region,
         area=region.area,

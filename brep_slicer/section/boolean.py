@@ -22,7 +22,7 @@ from brep_slicer.maps import TURN, Array
 from .certificate import Certificate, Engine
 from .chain import Arc, loops_from_arcs
 from .stepped import moved_by_step
-from .unroll import curve_on_cylinder
+from .unroll import curve_on_sheet
 
 # OCCT's booleans are wrong within about 1e-6 mm of a coincident face: stay ten times farther away, five at least.
 COINCIDENCE_STEP = 1e-5
@@ -114,7 +114,7 @@ def _cut_once(solid: Any, used: float, seam: float, gap: float) -> tuple[list[Lo
     if tolerance > widest:
         raise LayerError(f"OCCT's boolean lets its section at radius {used:g} mm lie {tolerance:.3g} mm from the faces")
     arcs = [
-        Arc(curve=curve_on_cylinder(u.curve, u.first, u.last, used, forward=u.forward), start=u.start, end=u.end)
+        Arc(curve=curve_on_sheet(u.curve, u.first, u.last, cylinder(used), forward=u.forward), start=u.start, end=u.end)
         for u in whole.uses
     ]
     loops = loops_from_arcs(cylinder(used), arcs)

@@ -17,6 +17,9 @@ from brep_slicer.errors import LayerError
 from brep_slicer.layers import Closure, Sheet
 from brep_slicer.maps import Array
 
+# A curve is followed round the axis by its points at these parameters: one that goes round sixty times as well.
+FOLLOWED = np.linspace(0.0, 1.0, 129)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Arc:
@@ -54,11 +57,13 @@ def loops_from_arcs(sheet: Sheet, arcs: Sequence[Arc]) -> list[Loop]:
         if used[first]:
             continue
         chain: list[Curve] = []
+        turns = 0.0
         i = first
         while True:
             used[i] = True
             arc = open_arcs[i]
-            chain.append(_continued(arc.curve, chain[-1].end if chain else None, sheet.closure))
+            curve, turns = _continued(arc.curve, turns if chain else None, sheet.closure)
+            chain.append(curve)
             choices = [j for j in leaving[arc.end] if not used[j] or j == first]
             i = choices[0] if len(choices) == 1 else _leftmost(arc, choices, open_arcs)
             if i == first:
@@ -67,12 +72,18 @@ def loops_from_arcs(sheet: Sheet, arcs: Sequence[Arc]) -> list[Loop]:
     return loops
 
 
-def _continued(curve: Curve, end: Array | None, closure: Closure) -> Curve:
-    """The copy of a curve that starts where the previous one ended."""
-    if end is None:
-        return curve
-    turns = float(closure.nearest_turns(curve.start, end))
-    return curve.moved(closure.motion(turns)) if turns else curve
+def _continued(curve: Curve, end: float | None, closure: Closure) -> tuple[Curve, float]:
+    """The copy of a curve that starts where the previous one ended, `end` turns round, and where it ends itself."""
+    start, last = _turns_of_ends(curve, closure)
+    copy = 0.0 if end is None else round(end - start)
+    return curve.moved(closure.motion(copy)) if copy else curve, last + copy
+
+
+def _turns_of_ends(curve: Curve, closure: Closure) -> tuple[float, float]:
+    """Where a curve begins and ends, in turns, followed along it where the plane alone does not tell."""
+    ends = np.stack([curve.start, curve.end]) if closure.is_translation else curve.points(FOLLOWED)
+    turns = closure.turns_along(ends)
+    return float(turns[0]), float(turns[-1])
 
 
 def _leftmost(arc: Arc, choices: list[int], arcs: Sequence[Arc]) -> int:
@@ -96,5 +107,8 @@ def _direction(curve: Curve, s: float) -> Array:
 
 
 def _closed_loop(curves: list[Curve], sheet: Sheet) -> Loop:
-    winding = int(sheet.closure.nearest_turns(curves[0].start, curves[-1].end))
-    return Loop(curves=tuple(curves), sheet=sheet, winding=winding)
+    turns = 0.0
+    for curve in curves:
+        start, end = _turns_of_ends(curve, sheet.closure)
+        turns += end - start
+    return Loop(curves=tuple(curves), sheet=sheet, winding=round(turns))

@@ -1,6 +1,6 @@
-"""One solid made ready for cutting: in the axis frame, its geometry in numpy, its critical radii.
+"""One solid made ready for cutting: in the axis frame, its geometry in numpy, its critical levels.
 
-In: a Solid and an Axis. Out: a CutSolid, computed once and used for every radius.
+In: a Solid, an Axis, a family of layers. Out: a CutSolid, computed once and used for every level.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import numpy as np
 from brep_slicer.field import Critical, EdgeStretches, critical_radii, edge_stretches
 from brep_slicer.geometry import Brep
 from brep_slicer.geometry.gaps import edge_gaps
+from brep_slicer.layers import CYLINDERS, LayerFamily
 from brep_slicer.maps import Array
 from brep_slicer.part import Part, Solid
 from brep_slicer.substrate.axis import Axis
@@ -27,7 +28,7 @@ NOISE = 1e-15
 class CutSolid:
     """A solid in the axis frame moved down by `brep.lift`: the OCP solid `wrapped`, its `brep`.
 
-    Its edges' `stretches`, its `critical` radii.
+    Its edges' `stretches`, its `critical` levels in a `family` of layers.
 
     `gaps` (edges,) is how far each edge's curve and its faces lie apart in truth, mm: files understate it.
     """
@@ -39,27 +40,30 @@ class CutSolid:
     stretches: EdgeStretches
     critical: Critical
     gaps: Array
+    family: LayerFamily = CYLINDERS
 
 
-def cut_solid(solid: Solid, axis: Axis) -> CutSolid:
+def cut_solid(solid: Solid, axis: Axis, family: LayerFamily = CYLINDERS) -> CutSolid:
     """Make one solid ready for cutting about `axis`."""
     from brep_slicer.kernel.brep import brep_from_solid
     from brep_slicer.kernel.facets import corners_of
     from brep_slicer.kernel.shapes import into_frame
 
     corners = corners_of(solid.wrapped)
-    lift = _lift(axis.axis_from_file(corners))
+    # a cylinder's level does not depend on where along the axis the part lies
+    lift = _lift(axis.axis_from_file(corners)) if family == CYLINDERS else 0.0
     moved = into_frame(solid.wrapped, axis.origin + lift * axis.direction, axis.rotation)
     brep = brep_from_solid(moved, lift, NOISE * float(np.abs(corners).max(initial=0.0)))
-    stretches = edge_stretches(brep)
+    stretches = edge_stretches(brep, family)
     return CutSolid(
         index=solid.index,
         name=solid.name,
         wrapped=moved,
         brep=brep,
         stretches=stretches,
-        critical=critical_radii(brep, stretches),
+        critical=critical_radii(brep, stretches, family),
         gaps=edge_gaps(brep),
+        family=family,
     )
 
 
@@ -73,9 +77,9 @@ def _lift(corners: Array) -> float:
     return float(round(middle)) if abs(middle) > FAR * size else 0.0
 
 
-def cut_solids(part: Part, axis: Axis) -> tuple[CutSolid, ...]:
+def cut_solids(part: Part, axis: Axis, family: LayerFamily = CYLINDERS) -> tuple[CutSolid, ...]:
     """Every solid of a part, made ready."""
-    return tuple(cut_solid(solid, axis) for solid in part.solids)
+    return tuple(cut_solid(solid, axis, family) for solid in part.solids)
 
 
 def noise_of_outermost(solid: CutSolid) -> float:

@@ -16,16 +16,16 @@ from functools import cached_property
 
 import numpy as np
 
-from brep_slicer.curves import Loop
+from brep_slicer.curves import Loop, with_apex
 from brep_slicer.errors import LayerError
-from brep_slicer.layers import cylinder
+from brep_slicer.layers import CYLINDERS
 from brep_slicer.maps import Array
 
 from .analytic import IN_NOISE, sections_by_analysis
 from .boolean import COINCIDENCE_STEP, clear_radius, section_by_boolean
 from .certificate import Certificate, Engine, check_error
 from .cut_solid import CutSolid
-from .oracle import area_and_turnover, areas_of_ramps, flux_ramps
+from .oracle import area_and_turnover, area_of_level, areas_of_ramps, flux_ramps
 from .stepped import moved_by_step
 
 Found = tuple[list[Loop], Certificate] | LayerError
@@ -117,6 +117,8 @@ class SolidSections:
     def _fallback(self, i: int, reason: str) -> Found:
         """The boolean's section if the surface integral agrees, else the analytic one a little farther out."""
         solid, radius = self.solid, float(self.radii[i])
+        if solid.family != CYLINDERS:
+            return self._farther_out(i, reason)
         try:
             gap = float(solid.gaps.max(initial=0.0))
             loops, certificate = section_by_boolean(solid.wrapped, radius, critical=solid.critical.radii, gap=gap)
@@ -126,12 +128,17 @@ class SolidSections:
             return loops, self._agreed(i, used, loops, replace(certificate, fallback=reason), tolerance)
         except LayerError as error:
             reason = f"{error}; before that: {reason}" if reason else str(error)
+        return self._farther_out(i, reason)
+
+    def _farther_out(self, i: int, reason: str) -> Found:
+        """The analytic section a little farther out, where two such steps vouch for it."""
+        solid, radius = self.solid, float(self.radii[i])
         outside = sections_by_analysis(solid, radius + STEPS)
         vouched = [
             (step, *found) for step, found in zip(STEPS.tolist(), outside, strict=True) if not isinstance(found, LayerError)
         ]
         for (step, cut, certificate), (farther, beyond, _) in itertools.pairwise(vouched):
-            loops, far = ([loop.on_sheet(cylinder(radius)) for loop in found] for found in (cut, beyond))
+            loops, far = ([loop.on_sheet(solid.family.sheet(radius)) for loop in found] for found in (cut, beyond))
             stated = max(certificate.residual, moved_by_step(loops, far, (step, farther)))
             believed = replace(certificate, residual=stated, fallback=reason)
             try:
@@ -154,6 +161,8 @@ class SolidSections:
         LayerError
             If the areas at the radius `used` (mm) differ by more than the integral is good for, and `tolerance` (mm).
         """
+        if self.solid.family != CYLINDERS:
+            return self._agreed_of_family(used, loops, certificate, tolerance)
         if used < NEAR_AXIS * self.solid.critical.highest:
             return certificate
         area = sum(loop.signed_area() for loop in loops)
@@ -178,3 +187,13 @@ class SolidSections:
                 certificate = replace(certificate, contradiction=max(certificate.contradiction, strip))
                 check_error(certificate, used)
         return replace(certificate, checks={**certificate.checks, "surface_integral_differs_mm2": differs})
+
+    def _agreed_of_family(self, used: float, loops: list[Loop], certificate: Certificate, tolerance: float) -> Certificate:
+        """The same for layers that are no cylinders, by the integral of their family."""
+        family = self.solid.family
+        area = sum(loop.signed_area() for loop in with_apex(family.sheet(used), loops))
+        length = sum(loop.length() for loop in loops)
+        coarse, fine = (area_of_level(self.solid.brep, used, family, panels=panels) for panels in PANELS)
+        if abs(fine - area) > NOISE * abs(fine - coarse) + length * max(tolerance, certificate.jog):
+            raise LayerError(f"the section at {family.label(used)} has {area:.6g} mm2, the surface integral says {fine:.6g}")
+        return replace(certificate, checks={**certificate.checks, "surface_integral_differs_mm2": fine - area})

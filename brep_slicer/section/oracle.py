@@ -13,9 +13,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from brep_slicer.geometry import Brep
+from brep_slicer.layers import LayerFamily
 from brep_slicer.maps import Array
 
-from .trimmed import PANELS, radial_bounds, surface_cells, surface_nodes
+from .trimmed import PANELS, level_bounds, surface_cells, surface_nodes
 
 
 def area_by_flux(brep: Brep, radius: float, *, panels: int = PANELS) -> float:
@@ -35,10 +36,25 @@ def area_and_turnover(brep: Brep, radius: float, *, panels: int = PANELS) -> tup
     return radius * total, radius * size
 
 
+def area_of_level(brep: Brep, level: float, family: LayerFamily, *, panels: int = PANELS) -> float:
+    """Area (mm**2) of the section at a level of any family, by the surface integral.
+
+    (rho0 / rho) grad c is free of divergence, with rho0 = rho - (c - level) cos(alpha) the radius of the nearest point of the
+    level's sheet, as far as there is one (rho0 > 0): R / rho on cylinders, 1 on planes.
+    """
+    total = 0.0
+    for face in brep.faces:
+        if level_bounds(face, family)[1] > level:
+            for p, n in surface_nodes(face, (level,), panels=panels, family=family):
+                beyond = family.value(p) > level
+                total += float((family.spread(p, level) * family.change(p, n))[beyond].sum())
+    return total
+
+
 def _nodes_beyond(brep: Brep, radius: float, levels: tuple[float, ...], panels: int) -> Iterator[tuple[Array, Array]]:
     """The nodes of all faces, block by block, but for faces that lie inside of a radius (mm) altogether."""
     for face in brep.faces:
-        if radial_bounds(face)[1] > radius:
+        if level_bounds(face)[1] > radius:
             yield from surface_nodes(face, levels, panels=panels)
 
 

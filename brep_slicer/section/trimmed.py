@@ -1,4 +1,4 @@
-"""Quadrature over trimmed faces, split where rho passes given levels.
+"""Quadrature over trimmed faces, split where c (rho, on cylinders) passes given levels.
 
 In: a face's numpy geometry. Out: points on it and the vectors n dS there, n out of the solid. Nothing in common with the
 section engines: no nodes, no curves; the trimming is that of the pcurves.
@@ -16,6 +16,7 @@ import numpy as np
 from brep_slicer.field import radii_of
 from brep_slicer.geometry import EdgeUse, Face, SurfaceKind, patches_of
 from brep_slicer.geometry.roots import bracketed_roots
+from brep_slicer.layers import CYLINDERS, LayerFamily
 from brep_slicer.maps import Array
 
 # Gauss nodes on a panel in u, panels between two kinks, and how finely pcurves are sampled for their crossings with the lines.
@@ -34,22 +35,26 @@ MOST_NODES = 1_000_000
 MOST_LINES, MOST_CELLS, LEAST_CELLS = 2048, 2_000_000, 4
 
 
-def surface_nodes(face: Face, levels: tuple[float, ...] = (), *, panels: int = PANELS) -> Iterator[tuple[Array, Array]]:
+def surface_nodes(
+    face: Face, levels: tuple[float, ...] = (), *, panels: int = PANELS, family: LayerFamily = CYLINDERS
+) -> Iterator[tuple[Array, Array]]:
     """(points (n, 3), n dS (n, 3)) over the whole face, block by block; the nodes keep to one side of each radius in `levels`
     (mm).
 
     Where no kink falls inside of a panel, sums over the nodes have twelve digits; elsewhere about six.
     """
-    low, high = radial_bounds(face)
+    low, high = level_bounds(face, family)
     levels = tuple(radius for radius in levels if low < radius < high)
-    u, weights = _lines(face, levels, panels)
+    u, weights = _lines(face, levels, panels, family)
     stretches = _at_breaks(face, *_inside(face, u))
     size = MOST_NODES // (SEARCH if levels else NODES_ALONG)
     for first in range(0, len(stretches[0]), size):
         line, low_v, high_v = (column[first : first + size] for column in stretches)
         for radius in levels:
-            line, low_v, high_v = _split(face, u, line, low_v, high_v, radius)
-        line, low_v, high_v = _stout(face, u, line, low_v, high_v, SLENDER / panels, min(levels, default=0.0))
+            line, low_v, high_v = _split(face, u, line, low_v, high_v, radius, family)
+        if family.is_revolved:
+            least = min(levels, default=0.0) if family == CYLINDERS else 0.0
+            line, low_v, high_v = _stout(face, u, line, low_v, high_v, SLENDER / panels, least)
         if len(line):
             yield _nodes_on(face, u, weights, line, low_v, high_v)
 
@@ -63,8 +68,8 @@ def _nodes_on(face: Face, u: Array, weights: Array, line: Array, low: Array, hig
     return p, face.sign * share.reshape(-1, 1) * np.cross(su, sv)
 
 
-def radial_bounds(face: Face) -> tuple[float, float]:
-    """Radii (mm) between which the face lies for certain: those of the boxes and hulls of its patches' control points.
+def level_bounds(face: Face, family: LayerFamily = CYLINDERS) -> tuple[float, float]:
+    """Levels (mm) between which the face lies for certain: those of the boxes and hulls of its patches' control points.
 
     No more than bounds: the face reaches neither where its surface goes on beyond its outline.
     """
@@ -74,9 +79,14 @@ def radial_bounds(face: Face) -> tuple[float, float]:
     else:
         control = patches_of(face.surface, face.box).control
         corners = (control[..., :3] / control[..., 3:]).reshape(len(control), -1, 3)
-    low, high = corners[..., :2].min(axis=1), corners[..., :2].max(axis=1)
-    nearest = np.hypot(*np.maximum(np.maximum(low, -high), 0.0).T)
-    return float(nearest.min()), float(radii_of(corners).max())
+    # c is convex in space (a plane's is linear, a cone's is that of the boxes round the axis and of the heights together)
+    if not family.is_revolved:
+        levels = family.value(corners)
+        return float(levels.min()), float(levels.max())
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    nearest = np.hypot(*np.maximum(np.maximum(low[:, :2], -high[:, :2]), 0.0).T)
+    lowest = [family.value(np.stack([nearest, 0.0 * nearest, z[:, 2]], axis=1)) for z in (low, high)]
+    return float(np.min(lowest)), float(family.value(corners).max())
 
 
 def _stout(
@@ -105,7 +115,7 @@ def surface_cells(face: Face, *, lines: int, cells: int) -> tuple[Array, Array, 
     `lines` along u = const between two kinks, `cells` along each, fewer of both where they would be more than memory is for.
     The change is that of two even slopes together.
     """
-    knots = _knots(face, ())
+    knots = _knots(face, (), CYLINDERS)
     lines = max(LEAST_CELLS, min(lines, MOST_LINES // max(1, len(knots) - 1)))
     sides = np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, lines + 1)) ** 2
     u = (knots[:-1, None] + np.diff(knots)[:, None] * 0.5 * (sides[:-1] + sides[1:])).ravel()
@@ -122,12 +132,12 @@ def surface_cells(face: Face, *, lines: int, cells: int) -> tuple[Array, Array, 
     return p, face.sign * (du * dv)[:, None] * np.cross(su, sv), change
 
 
-def _lines(face: Face, levels: tuple[float, ...], panels: int) -> tuple[Array, Array]:
+def _lines(face: Face, levels: tuple[float, ...], panels: int, family: LayerFamily) -> tuple[Array, Array]:
     """Gauss nodes in u and their weights, on panels between everything that makes the integrand kink.
 
     u = a + (b - a) sin(pi x / 2)**2 between two kinks takes away the square roots where a boundary turns back in u.
     """
-    knots = _knots(face, levels)
+    knots = _knots(face, levels, family)
     shares = np.diff(knots) / max(float(np.ptp(knots)), 1e-300)
     counts = np.clip(np.ceil(panels * KINKS * shares), min(LEAST_PANELS, panels), panels).astype(int)
     found = [_graded(knots[:-1][counts == n], knots[1:][counts == n], n) for n in np.unique(counts).tolist()]
@@ -146,7 +156,7 @@ def _graded(a: Array, b: Array, panels: int) -> tuple[Array, Array]:
     return u.ravel(), (wide * 0.5 * np.pi * np.sin(np.pi * x) * w).ravel()
 
 
-def _knots(face: Face, levels: tuple[float, ...]) -> Array:
+def _knots(face: Face, levels: tuple[float, ...], family: LayerFamily) -> Array:
     """u of everything that makes an integral along u kink: breaks, ends and turns of pcurves, where they meet a level."""
     low, high = face.box[:, 0]
     marks = [face.surface.breaks(face.box)[0]]
@@ -154,7 +164,7 @@ def _knots(face: Face, levels: tuple[float, ...]) -> Array:
         assert use.pcurve is not None
         p = use.pcurve.points(np.linspace(*use.range, 129))
         marks += [p[[0, -1], 0], _turns(use)]
-        marks += [_crossings(face, use, radius) for radius in levels]
+        marks += [_crossings(face, use, radius, family) for radius in levels]
     knots = np.clip(np.concatenate(marks), low, high)
     return low + np.unique(np.round((knots - low) / max(high - low, 1e-300), 9)) * (high - low)
 
@@ -181,14 +191,14 @@ def _turns(use: EdgeUse) -> Array:
     return use.pcurve.points(t)[:, 0]
 
 
-def _crossings(face: Face, use: EdgeUse, radius: float) -> Array:
+def _crossings(face: Face, use: EdgeUse, radius: float, family: LayerFamily) -> Array:
     """u where a pcurve meets the level: there the stretches along the lines begin or end."""
     assert use.pcurve is not None
     t = np.linspace(*use.range, 129)
 
     def gap(x: Array) -> Array:
         assert use.pcurve is not None
-        return radii_of(face.surface.points(use.pcurve.points(x))) - radius
+        return family.value(face.surface.points(use.pcurve.points(x))) - radius
 
     f = gap(t)
     change = np.flatnonzero(np.diff(np.sign(f)) != 0)
@@ -244,24 +254,26 @@ def _where_met(use: EdgeUse, u: Array, order: Array, t: Array, p: Array) -> tupl
     return number, use.pcurve.points(met)[:, 1]
 
 
-def _split(face: Face, u: Array, line: Array, low: Array, high: Array, radius: float) -> tuple[Array, Array, Array]:
+def _split(
+    face: Face, u: Array, line: Array, low: Array, high: Array, radius: float, family: LayerFamily
+) -> tuple[Array, Array, Array]:
     """Stretches cut in two wherever rho passes the radius along them."""
     if not len(line):
         return line, low, high
     share = np.linspace(0.0, 1.0, SEARCH)
     v = low[:, None] + (high - low)[:, None] * share
-    gap = _radii(face, np.repeat(u[line], SEARCH), v.ravel()).reshape(v.shape) - radius
+    gap = _levels(family, face, np.repeat(u[line], SEARCH), v.ravel()).reshape(v.shape) - radius
     stretch, cell = np.nonzero((gap[:, 1:] > 0.0) != (gap[:, :-1] > 0.0))
     a, b, fa, fb = v[stretch, cell], v[stretch, cell + 1], gap[stretch, cell], gap[stretch, cell + 1]
-    more, peak, reached = _grazed(face, u[line], v, gap, radius)
+    more, peak, reached = _grazed(face, u[line], v, gap, radius, family)
     # a peak that reaches through the level between two samples is met twice
     stretch = np.concatenate([stretch, more, more])
     h = (high - low)[more] / (SEARCH - 1)
     a, b = np.concatenate([a, peak - h, peak]), np.concatenate([b, peak, peak + h])
-    beside = [_radii(face, u[line[more]], at) - radius for at in (peak - h, peak + h)]
+    beside = [_levels(family, face, u[line[more]], at) - radius for at in (peak - h, peak + h)]
     fa, fb = np.concatenate([fa, beside[0], reached]), np.concatenate([fb, reached, beside[1]])
     whose = u[line[stretch]]
-    root = bracketed_roots(lambda rows, at: _radii(face, whose[rows], at) - radius, a, b, fa, fb)
+    root = bracketed_roots(lambda rows, at: _levels(family, face, whose[rows], at) - radius, a, b, fa, fb)
     number = np.concatenate([np.arange(len(line)), stretch])
     begin, end = np.concatenate([low, root]), np.concatenate([root, high])
     order = np.lexsort((begin, number))
@@ -271,7 +283,7 @@ def _split(face: Face, u: Array, line: Array, low: Array, high: Array, radius: f
     return line[number], begin, end
 
 
-def _grazed(face: Face, u: Array, v: Array, gap: Array, radius: float) -> tuple[Array, Array, Array]:
+def _grazed(face: Face, u: Array, v: Array, gap: Array, radius: float, family: LayerFamily) -> tuple[Array, Array, Array]:
     """(stretch, v, how far rho is above the level there) of extremes of rho that reach through the level unseen."""
     middle = gap[:, 1:-1]
     toward = np.where(middle > 0.0, 1.0, -1.0)
@@ -279,17 +291,17 @@ def _grazed(face: Face, u: Array, v: Array, gap: Array, radius: float) -> tuple[
     stretch, k = np.nonzero(nearest & (toward * gap[:, :-2] > 0.0) & (toward * gap[:, 2:] > 0.0))
     side, at, h = middle[stretch, k] > 0.0, v[stretch, k + 1], v[stretch, 1] - v[stretch, 0]
     for _ in range(3):
-        before, here, after = (_radii(face, u[stretch], at + d) for d in (-h, 0.0 * h, h))
+        before, here, after = (_levels(family, face, u[stretch], at + d) for d in (-h, 0.0 * h, h))
         bend = before - 2.0 * here + after
         move = np.where(bend != 0.0, 0.5 * (before - after) / np.where(bend != 0.0, bend, 1.0), 0.0)
         at, h = at + h * np.clip(move, -1.0, 1.0), 0.1 * h
-    reached = _radii(face, u[stretch], at) - radius
+    reached = _levels(family, face, u[stretch], at) - radius
     through = (reached > 0.0) != side
     return stretch[through], at[through], reached[through]
 
 
-def _radii(face: Face, u: Array, v: Array) -> Array:
-    return radii_of(face.surface.points(np.stack([u, v], axis=1)))
+def _levels(family: LayerFamily, face: Face, u: Array, v: Array) -> Array:
+    return family.value(face.surface.points(np.stack([u, v], axis=1)))
 
 
 def _at_breaks(face: Face, line: Array, low: Array, high: Array) -> tuple[Array, Array, Array]:

@@ -1,7 +1,7 @@
-"""Curves of space that lie on a cylinder about the axis, unrolled.
+"""Curves of space that lie on a layer's sheet, unrolled.
 
-In: an edge's 3D curve. Out: a Curve of its kind: straight lines along the axis and circles about it become lines, ellipses
-become sinusoids, everything else a spline through its points.
+In: an edge's 3D curve. Out: a Curve of its kind: on a cylinder, straight lines along the axis and circles about it become
+lines, ellipses become sinusoids; everything else a spline through its points, or a line where those lie on one.
 """
 
 from __future__ import annotations
@@ -11,42 +11,37 @@ import numpy as np
 from brep_slicer.curves import Curve, LineCurve, SinusoidCurve
 from brep_slicer.curves.spline import span_nodes, spline_through_nodes, straightened
 from brep_slicer.geometry import ConicEdge, EdgeCurve, LineEdge
-from brep_slicer.maps import TURN, Array
+from brep_slicer.layers import CYLINDERS, Sheet
 
 # A 3D curve counts as a straight line, a circle or an ellipse of the cylinder when its points agree to this (mm).
 KIND_RESIDUAL = 1e-9
 
 
-def curve_on_cylinder(curve: EdgeCurve, first: float, last: float, radius: float, *, forward: bool) -> Curve:
-    """Unroll a 3D curve that lies on the cylinder of `radius`, keeping its kind where it has one."""
+def curve_on_sheet(curve: EdgeCurve, first: float, last: float, sheet: Sheet, *, forward: bool) -> Curve:
+    """Unroll a 3D curve that lies on a sheet, keeping its kind where it has one."""
     made = None
-    if isinstance(curve, LineEdge):
-        made = _ruling(curve, first, last, radius)
-    elif isinstance(curve, ConicEdge):
-        made = _conic(curve, first, last, radius)
+    if sheet.family == CYLINDERS and isinstance(curve, LineEdge):
+        made = _ruling(curve, first, last, sheet)
+    elif sheet.family == CYLINDERS and isinstance(curve, ConicEdge):
+        made = _conic(curve, first, last, sheet)
     if made is None:
-        made = _sampled_curve(curve, first, last, radius)
+        made = _sampled_curve(curve, first, last, sheet)
     return made if forward else made.reversed()
 
 
-def _unrolled(points: Array, radius: float) -> Array:
-    theta = np.unwrap(np.arctan2(points[:, 1], points[:, 0]))
-    return np.stack([radius * theta, points[:, 2]], axis=1)
-
-
-def _ruling(curve: LineEdge, first: float, last: float, radius: float) -> Curve:
-    p = _unrolled(curve.points(np.array([first, last])), radius)
+def _ruling(curve: LineEdge, first: float, last: float, sheet: Sheet) -> Curve:
+    p = sheet.flat_along(curve.points(np.array([first, last])))
     middle = float(p[:, 0].mean())
     return LineCurve.between((middle, p[0, 1]), (middle, p[1, 1]))
 
 
-def _conic(curve: ConicEdge, first: float, last: float, radius: float) -> Curve | None:
+def _conic(curve: ConicEdge, first: float, last: float, sheet: Sheet) -> Curve | None:
     """A circle about the axis (a line v = const) or an ellipse in an oblique plane (a sinusoid)."""
-    points = curve.points(np.linspace(first, last, 17))
-    off = np.abs(np.hypot(points[:, 0], points[:, 1]) - radius).max()
+    points, radius = curve.points(np.linspace(first, last, 17)), sheet.radius
+    off = np.abs(sheet.family.value(points) - radius).max()
     if off > max(KIND_RESIDUAL, 1e-12 * radius) * 100.0:
         return None
-    flat = _unrolled(points, radius)
+    flat = sheet.flat_along(points)
     ends = (float(flat[0, 0]), float(flat[-1, 0]))
     normal = np.cross(curve.x, curve.y)
     normal = normal / np.linalg.norm(normal)
@@ -58,38 +53,23 @@ def _conic(curve: ConicEdge, first: float, last: float, radius: float) -> Curve 
     return SinusoidCurve(coefficients=np.array(coefficients), radius=radius, range=ends)
 
 
-def _sampled_curve(curve: EdgeCurve, first: float, last: float, radius: float) -> Curve:
+def _sampled_curve(curve: EdgeCurve, first: float, last: float, sheet: Sheet) -> Curve:
     """Bezier spans of degree 7 through points of the curve, halved until the points between agree too."""
     breaks = curve.breaks(first, last)
     nodes = span_nodes(7)
     between = 0.5 * (nodes[:-1] + nodes[1:])
     for _ in range(8):
-        t = (breaks[:-1, None] + np.diff(breaks)[:, None] * nodes[None, :]).ravel()
-        flat = _unrolled(curve.points(t), radius).reshape(len(breaks) - 1, len(nodes), 2)
-        flat = _joined(flat, radius)
-        share = (breaks - first) / (last - first)
-        made = spline_through_nodes(flat, share, residual=KIND_RESIDUAL)
+        t = breaks[:-1, None] + np.diff(breaks)[:, None] * nodes[None, :]
+        # neighbouring spans meet in one point
+        flat = sheet.flat_along(curve.points(t.ravel())).reshape(len(breaks) - 1, len(nodes), 2)
+        flat[1:, 0] = flat[:-1, -1]
+        made = spline_through_nodes(flat, (breaks - first) / (last - first), residual=KIND_RESIDUAL)
         t = (breaks[:-1, None] + np.diff(breaks)[:, None] * between[None, :]).ravel()
-        true = _near(_unrolled(curve.points(t), radius), made.points((t - first) / (last - first)), radius)
-        error = np.abs(true - made.points((t - first) / (last - first))).reshape(len(breaks) - 1, -1).max(axis=1)
-        bad = error > KIND_RESIDUAL
+        guide = made.points((t - first) / (last - first))
+        true = sheet.flat_from_space(curve.points(t))
+        true = sheet.closure.moved(true, sheet.closure.nearest_turns(true, guide))
+        bad = np.abs(true - guide).reshape(len(breaks) - 1, -1).max(axis=1) > KIND_RESIDUAL
         if not bad.any():
             break
         breaks = np.sort(np.concatenate([breaks, 0.5 * (breaks[:-1] + breaks[1:])[bad]]))
     return straightened(made, KIND_RESIDUAL)
-
-
-def _joined(flat: Array, radius: float) -> Array:
-    """Spans unwrapped one after the other (points are dense enough that neighbours are less than half a turn apart)."""
-    chain = flat.reshape(-1, 2).copy()
-    chain[:, 0] = radius * np.unwrap(chain[:, 0] / radius)
-    out = chain.reshape(flat.shape)
-    out[1:, 0] = out[:-1, -1]
-    return out
-
-
-def _near(points: Array, guide: Array, radius: float) -> Array:
-    period = TURN * radius
-    points = points.copy()
-    points[:, 0] += period * np.round((guide[:, 0] - points[:, 0]) / period)
-    return points

@@ -8,14 +8,17 @@ Words: *ruling*, a line kappa = const (planes, cylinders and extrusions parallel
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
-from brep_slicer.curves import Curve, LineCurve, SinusoidCurve
+from brep_slicer.curves import ArcCurve, Curve, LineCurve, SinusoidCurve
 from brep_slicer.field import SNAP
 from brep_slicer.geometry import Brep, ElementarySurface, Extrusion, Face, Revolution, SurfaceKind
+from brep_slicer.layers import CYLINDERS, Cones, LayerFamily, Planes, Sheet
 from brep_slicer.maps import TURN, Array
 
 from .face_nodes import FaceNodes, clusters, pair_along
@@ -60,11 +63,45 @@ class FaceArcs:
 Solver = Callable[[Face, FaceNodes, Array], FaceArcs]
 
 
-def closed_form_of(face: Face) -> Solver | None:
+def closed_form_of(face: Face, family: LayerFamily) -> Solver | None:
     """The solver for a face's kind of surface and its place to the axis, or None if there is no closed form here.
 
     Spheres have a module of their own.
     """
+    if family == CYLINDERS:
+        return _form_on_cylinders(face)
+    if isinstance(family, Cones) and is_round(face):
+        return partial(_rings_on_cones, family)
+    along = _generator(face)
+    if isinstance(family, Planes) and along is not None and abs(float(along @ np.array(family.normal))) <= PARALLEL:
+        return partial(_rulings_in_planes, family, along)
+    return None
+
+
+def _generator(face: Face) -> Array | None:
+    """The direction (3,) of a cylinder's or an extrusion's rulings; None for other faces."""
+    surface = face.surface
+    if isinstance(surface, ElementarySurface) and surface.kind is SurfaceKind.CYLINDER:
+        return np.asarray(surface.frame[2])
+    if isinstance(surface, Extrusion):
+        return np.asarray(surface.direction / np.linalg.norm(surface.direction))
+    return None
+
+
+def is_round(face: Face) -> bool:
+    """Whether a face is part of a surface of revolution about the axis, planes across it among them."""
+    surface = face.surface
+    if isinstance(surface, ElementarySurface):
+        across, off = float(np.hypot(*surface.frame[2, :2])), float(np.hypot(*surface.origin[:2]))
+        if surface.kind is SurfaceKind.PLANE:
+            return across <= PARALLEL
+        return off <= 1e-9 and (across <= PARALLEL or surface.kind is SurfaceKind.SPHERE)
+    if isinstance(surface, Revolution):
+        return float(np.hypot(*surface.axis[:2])) <= PARALLEL and float(np.hypot(*surface.origin[:2])) <= 1e-9
+    return False
+
+
+def _form_on_cylinders(face: Face) -> Solver | None:
     surface = face.surface
     if isinstance(surface, ElementarySurface):
         across = float(np.hypot(*surface.frame[2, :2]))
@@ -111,12 +148,12 @@ def _fail(arcs: FaceArcs, layers: Array, face: Face) -> None:
 
 def _rulings(face: Face, found: FaceNodes, radii: Array, component: Array, way: Array, theta: Array) -> FaceArcs:
     """Arcs along lines kappa = const; `way` (n,) is +1 where the section runs upwards, `theta` (n,) the line's angle."""
-    pairs = pair_along(found, component, way * found.z, cyclic=False)
+    pairs = pair_along(found, component, way * found.height, cyclic=False)
     arcs = FaceArcs()
     _fail(arcs, pairs.bad, face)
     kappa = radii[found.layer] * theta
     for i, j in zip(pairs.start.tolist(), pairs.end.tolist(), strict=True):
-        curve = LineCurve.between((kappa[i], found.z[i]), (kappa[i], found.z[j]), face=face.index)
+        curve = LineCurve.between((kappa[i], found.height[i]), (kappa[i], found.height[j]), face=face.index)
         arcs.add(curve, int(found.layer[i]), int(found.node[i]), int(found.node[j]))
     return arcs
 
@@ -161,6 +198,29 @@ def _rulings_on_extrusion(face: Face, found: FaceNodes, radii: Array) -> FaceArc
     return _rulings(face, found, radii, places.number, np.sign(along), theta)
 
 
+def _rulings_in_planes(family: Planes, along: Array, face: Face, found: FaceNodes, radii: Array) -> FaceArcs:
+    """Rulings in layers that are planes parallel to them."""
+    surface, level = face.surface, radii[found.layer]
+    points = surface.points(found.uv)
+    if isinstance(surface, Extrusion):
+        component = places_on_profile(surface.curve, face.box[:, 0], found.uv[:, 0], found.layer, level, family).number
+    else:
+        assert isinstance(surface, ElementarySurface)
+        x, y = surface.frame[:2] @ np.array(family.normal)
+        component = np.where(np.mod(found.uv[:, 0] - np.arctan2(y, x), TURN) < np.pi, 1.0, -1.0)
+    # the section runs along T = grad c x n
+    way = np.sign(np.cross(np.array(family.normal), outward_normals(face, found.uv)) @ along)
+    pairs = pair_along(found, component, way * (points @ along), cyclic=False)
+    arcs = FaceArcs()
+    _fail(arcs, pairs.bad, face)
+    flat = family.flat_from_space(points, 0.0)
+    for i, j in zip(pairs.start.tolist(), pairs.end.tolist(), strict=True):
+        arcs.add(
+            LineCurve(p0=flat[i], p1=flat[j], face=face.index), int(found.layer[i]), int(found.node[i]), int(found.node[j])
+        )
+    return arcs
+
+
 def arcs_round(face: Face, found: FaceNodes, radii: Array, component: Array, way: Array, make) -> FaceArcs:
     """Arcs along curves that go round the axis; `way` (n,) is +1 where theta rises along the section."""
     pairs = pair_along(found, component, way * found.theta, cyclic=True)
@@ -194,6 +254,34 @@ def _circles_on_plane(face: Face, found: FaceNodes, radii: Array) -> FaceArcs:
     return arcs_round(face, found, radii, np.zeros(len(found)), np.full(len(found), way), _line_at(face, radii, height))
 
 
+def _rings_on_cones(family: Cones, face: Face, found: FaceNodes, radii: Array) -> FaceArcs:
+    """Rings about the axis on layers that are cones: arcs about the apex."""
+    component, height = _clustered(found)
+    normal, points = outward_normals(face, found.uv), face.surface.points(found.uv)
+    # T = grad c x n runs along theta where n points to smaller heights
+    up = family.along_generators(points, normal)
+    way = -np.sign(up)
+
+    def make(layer: int, row: int, theta0: float, theta1: float) -> Curve:
+        return ring_on_cone(family.sheet(float(radii[layer])), float(height[row]), theta0 / TURN, theta1 / TURN, face.index)
+
+    return arcs_round(face, found, radii, component, way, make)
+
+
+def ring_on_cone(sheet: Sheet, height: float, first: float, last: float, face: int) -> ArcCurve:
+    """The ring at a height of a cone's sheet, from `first` to `last` (turns)."""
+    closure, way = sheet.closure, math.copysign(1.0, last - first)
+    round_once = float(closure.ring_lengths(np.array(height)))
+    heading = closure.heading_of_ring(first) + (0.0 if way > 0.0 else math.pi)
+    return ArcCurve(
+        origin=closure.at(np.array(first), np.array(height)),
+        heading=heading,
+        size=round_once * abs(last - first),
+        curvature=-way * closure.angle / round_once,
+        face=face,
+    )
+
+
 def _circles_of_revolution(face: Face, found: FaceNodes, radii: Array) -> FaceArcs:
     surface, uv = face.surface, found.uv
     if isinstance(surface, Revolution):
@@ -218,7 +306,7 @@ def _heights(face: Face, found: FaceNodes, radii: Array) -> tuple[Array, Array]:
     base, up = surface.origin[2], surface.frame[2, 2]
     # on the other nappe, beyond the apex, the cone's own radius is negative
     rises = [(side * r - surface.radius) / np.tan(surface.half_angle) for side in (1.0, -1.0)]
-    return _nearest(base + up * np.stack(rises), found.z)
+    return _nearest(base + up * np.stack(rises), found.height)
 
 
 def _on_torus(face: Face, found: FaceNodes, radii: Array) -> tuple[Array, Array, Array]:
@@ -232,16 +320,16 @@ def _on_torus(face: Face, found: FaceNodes, radii: Array) -> tuple[Array, Array,
     heights = surface.origin[2] + surface.frame[2, 2] * surface.minor * np.sin(v)
     first, last = face.box[:, 1]
     inside = np.mod(v - first + SAME_ANGLE, TURN) <= last - first + 2.0 * SAME_ANGLE
-    away = np.where(inside | ~inside.any(axis=0), np.abs(heights - found.z), np.inf)
+    away = np.where(inside | ~inside.any(axis=0), np.abs(heights - found.height), np.inf)
     nearest, rows = away.argmin(axis=0), np.arange(len(r))
     return nearest, heights[nearest, rows], v[nearest, rows]
 
 
 def _clustered(found: FaceNodes) -> tuple[Array, Array]:
     """Nodes of about one height on one circle, at the height of its first node: one line v = const."""
-    component = clusters(found.layer, found.z, SAME_LINE)
+    component = clusters(found.layer, found.height, SAME_LINE)
     _, first, where = np.unique(component, return_index=True, return_inverse=True)
-    return component, found.z[first][where]
+    return component, found.height[first][where]
 
 
 def _nearest(heights: Array, z: Array) -> tuple[Array, Array]:
@@ -269,7 +357,9 @@ def sinusoid_on_plane(face: Face, radius: float, theta0: float, theta1: float) -
     return SinusoidCurve(coefficients=coefficients, radius=radius, range=(radius * theta0, radius * theta1), face=face.index)
 
 
-def loops_on_planes(brep: Brep, face: Face, radii: Array, busy: set[int], level: Array, vertex_rho: Array) -> FaceArcs:
+def loops_on_planes(
+    brep: Brep, face: Face, radii: Array, busy: set[int], level: Array, vertex_rho: Array, family: LayerFamily
+) -> FaceArcs:
     """Circles and sinusoids that lie on a plane face and meet none of its edges, in the layers that are not `busy`.
 
     The curve at R lies on the face if the face's loops outside of R wind round the axis (an outline without a hole inside
@@ -294,6 +384,15 @@ def loops_on_planes(brep: Brep, face: Face, radii: Array, busy: set[int], level:
         if around == 0:
             continue
         way = -np.sign(normal[2])
+        if isinstance(family, Cones) and family != CYLINDERS:
+            sheet = family.sheet(radius)
+            rho = (radius - math.sin(family.half_angle) * float(face.surface.origin[2])) / math.cos(family.half_angle)
+            # beyond the apex there is no sheet
+            if rho <= 0.0:
+                continue
+            height = float(family.heights(np.array([rho, 0.0, float(face.surface.origin[2])])))
+            arcs.add(ring_on_cone(sheet, height, 0.0, float(way), face.index), layer, -1, -1)
+            continue
         curve = sinusoid_on_plane(face, radius, 0.0, way * TURN)
         if np.hypot(*curve.coefficients[1:]) <= 1e-12 * radius:
             v = float(face.surface.origin[2])

@@ -5,16 +5,17 @@ In: a CutSolid and radii. Out: for each radius its loops and a certificate, or t
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 
 from brep_slicer.curves import Loop
 from brep_slicer.errors import LayerError
-from brep_slicer.field import SNAP, EdgeStretches, radial_gradient, radii_of
+from brep_slicer.field import SNAP, EdgeStretches
 from brep_slicer.geometry import ElementarySurface, Face, SurfaceKind
-from brep_slicer.layers import cylinder
-from brep_slicer.maps import TURN, Array
+from brep_slicer.layers import CYLINDERS, Cones, LayerFamily
+from brep_slicer.maps import Array
 from brep_slicer.section.certificate import Certificate, Engine
 from brep_slicer.section.chain import Arc, loops_from_arcs
 from brep_slicer.section.cut_solid import CutSolid
@@ -39,7 +40,7 @@ MOST_JOG = 0.005
 
 
 def sections_by_analysis(solid: CutSolid, radii: Array) -> list[Section]:
-    """Cut one solid at increasing radii (n,), mm.
+    """Cut one solid at increasing levels (n,), mm: radii, where the layers are cylinders.
 
     What fails in the noise of an edge that strays from its level is cut again, by that edge.
     """
@@ -57,24 +58,24 @@ def sections_by_analysis(solid: CutSolid, radii: Array) -> list[Section]:
 
 
 def _sections(solid: CutSolid, asked: Array, *, noisy: bool) -> list[Section]:
-    """Cut one solid at increasing radii (n,); `noisy` as of `hot_edges`."""
-    brep, stretches = solid.brep, solid.stretches
+    """Cut one solid at increasing levels (n,); `noisy` as of `hot_edges`."""
+    brep, stretches, family = solid.brep, solid.stretches, solid.family
     radii = _off_the_edge(asked, stretches)
-    nodes = nodes_on_flatter_faces(brep, find_nodes(brep, stretches, radii), solid.gaps, radii)
-    hot = hot_edges(brep, stretches.edge_level, radii, noisy=noisy)
+    nodes = nodes_on_flatter_faces(brep, find_nodes(brep, stretches, radii, family), solid.gaps, radii, family)
+    hot = hot_edges(brep, stretches.edge_level, radii, family, noisy=noisy)
     made: list[FaceArcs] = []
     traced: list[TracedFace] = []
     for face in brep.faces:
         if np.isfinite(stretches.face_level[face.index]):
             continue
-        known, rest = _arcs_on_face(solid, face, nodes_on_face(face, nodes), radii, hot)
+        known, rest = _arcs_on_face(solid, face, nodes_on_face(face, nodes, family), radii, hot)
         made += known
         traced += rest
     found = _assembled(solid, radii, nodes, [*made, *arcs_on_traced_faces(traced, radii)])
     for i in np.flatnonzero(radii != asked).tolist():
         section = found[i]
         if not isinstance(section, LayerError):
-            found[i] = [loop.on_sheet(cylinder(float(asked[i]))) for loop in section[0]], section[1]
+            found[i] = [loop.on_sheet(family.sheet(float(asked[i]))) for loop in section[0]], section[1]
     return found
 
 
@@ -106,23 +107,24 @@ def _arcs_on_face(
             out.append(arcs)
             found = found.select(free)
     surface = face.surface
-    if isinstance(surface, ElementarySurface) and surface.kind is SurfaceKind.SPHERE:
+    if isinstance(surface, ElementarySurface) and surface.kind is SurfaceKind.SPHERE and solid.family == CYLINDERS:
         sides = np.array([stretches.vertex_rho[brep.edges[loop[0].edge].vertices[0]] for loop in face.loops])
         whole, edged = arcs_on_hot_loops(face, radii, hot)
         return [*out, whole, arcs_on_sphere(face, found, radii, edged | (busy - set(found.layer.tolist())), sides)], []
-    solve = closed_form_of(face)
+    solve = closed_form_of(face, solid.family)
     if solve is not None:
         if len(found):
             out.append(solve(face, found, radii))
-        out.append(loops_on_planes(brep, face, radii, busy, stretches.edge_level, stretches.vertex_rho))
+        out.append(loops_on_planes(brep, face, radii, busy, stretches.edge_level, stretches.vertex_rho, solid.family))
         return out, []
     around = solid.critical.around[face.index]
     closed = len(face.loops) > 1 or len(around) > 0
     if not len(found) and not closed:
         return out, []
     sides = np.array([stretches.vertex_rho[brep.edges[loop[0].edge].vertices[0]] for loop in face.loops])
-    peaks = radii_of(face.surface.points(solid.critical.inside[face.index]))
-    return out, [TracedFace(face=face, found=found, around=around, marks=np.concatenate([sides, peaks]), closed=closed)]
+    peaks = solid.family.value(face.surface.points(solid.critical.inside[face.index]))
+    marks = np.concatenate([sides, peaks])
+    return out, [TracedFace(face=face, found=found, around=around, marks=marks, closed=closed, family=solid.family)]
 
 
 def _assembled(solid: CutSolid, radii: Array, nodes: Nodes, made: list[FaceArcs]) -> list[Section]:
@@ -135,9 +137,9 @@ def _assembled(solid: CutSolid, radii: Array, nodes: Nodes, made: list[FaceArcs]
         failed.update({layer: reason for layer, reason in face_arcs.failed.items() if layer not in failed})
         for layer, value in face_arcs.residual.items():
             residual[layer] = max(residual[layer], value)
-    off = _off_nodes(made, nodes, radii)
+    off = _off_nodes(solid.family, made, nodes, radii)
     counts = np.bincount(nodes.layer, minlength=len(radii))
-    allowed = _allowed_jogs(solid, nodes, len(radii))
+    allowed = _allowed_jogs(solid, nodes, radii)
     level = solid.critical.level
     out: list[Section] = []
     for layer, radius in enumerate(radii.tolist()):
@@ -162,7 +164,7 @@ def _assembled(solid: CutSolid, radii: Array, nodes: Nodes, made: list[FaceArcs]
     return out
 
 
-def _off_nodes(made: list[FaceArcs], nodes: Nodes, radii: Array) -> Array:
+def _off_nodes(family: LayerFamily, made: list[FaceArcs], nodes: Nodes, radii: Array) -> Array:
     """Largest distance (mm) of an arc's end from its node, in each layer: a formula that took the wrong branch shows here."""
     out = np.zeros(len(radii))
     ends = [
@@ -176,14 +178,12 @@ def _off_nodes(made: list[FaceArcs], nodes: Nodes, radii: Array) -> Array:
         return out
     node, layer = np.array([e[0] for e in ends]), np.array([e[1] for e in ends])
     flat = np.array([e[2] for e in ends])
-    radius, p = radii[layer], nodes.points[node]
-    turn = flat[:, 0] / radius - np.arctan2(p[:, 1], p[:, 0])
-    across = radius * (np.mod(turn + np.pi, TURN) - np.pi)
-    np.maximum.at(out, layer, np.hypot(across, flat[:, 1] - p[:, 2]))
+    there = family.unrolled(nodes.points[node][:, None], radii[layer])[:, 0]
+    np.maximum.at(out, layer, family.closure(radii[layer]).distances(flat, there))
     return out
 
 
-def _allowed_jogs(solid: CutSolid, nodes: Nodes, layers: int) -> Array:
+def _allowed_jogs(solid: CutSolid, nodes: Nodes, radii: Array) -> Array:
     """The largest jog that the edges' gaps explain, in each layer, mm.
 
     Where an edge meets the cylinder at a grazing angle, a gap g of the faces moves their crossing by g / sin(angle).
@@ -196,13 +196,34 @@ def _allowed_jogs(solid: CutSolid, nodes: Nodes, layers: int) -> Array:
         curve = brep.edges[number].curve
         assert curve is not None
         p, d = curve.derivatives(nodes.t[mine], 1)
-        slope[mine] = np.abs(np.einsum("ij,ij->i", radial_gradient(p), d)) / np.maximum(np.linalg.norm(d, axis=1), 1e-300)
+        slope[mine] = np.abs(solid.family.change(p, d)) / np.maximum(np.linalg.norm(d, axis=1), 1e-300)
     gap = tolerance[nodes.edge]
     # at a tangent the crossing moves by sqrt(2 R g) at most
-    reach = np.minimum(gap / np.maximum(slope, 1e-12), np.sqrt(2.0 * np.abs(radii_of(nodes.points)) * gap))
-    out = np.full(layers, 1e-9)
+    bend = np.array([solid.family.reach(brep.vertices, level) for level in radii.tolist()])[nodes.layer]
+    reach = np.minimum(gap / np.maximum(slope, 1e-12), np.sqrt(2.0 * bend * gap))
+    out = np.full(len(radii), 1e-9)
     np.maximum.at(out, nodes.layer, GAPS * np.minimum(gap + reach, np.maximum(gap, MOST_JOG)) + 1e-9)
     return out
+
+
+def _check_windings(solid: CutSolid, level: float, loops: list[Loop]) -> None:
+    """The loops round the axis come in pairs, but for one where a cone's apex lies inside of the solid.
+
+    Raises
+    ------
+    LayerError
+        If they do not.
+    """
+    winding, around = sum(loop.winding for loop in loops), 0
+    if isinstance(solid.family, Cones) and solid.family.half_angle:
+        from brep_slicer.kernel.shapes import holds_point
+
+        low, high = solid.brep.vertices[:, 2].min(), solid.brep.vertices[:, 2].max()
+        apex = np.array([0.0, 0.0, level / math.sin(solid.family.half_angle)])
+        if winding or low <= apex[2] <= high:
+            around = int(math.copysign(holds_point(solid.wrapped, apex), solid.family.half_angle))
+    if winding != around:
+        raise LayerError("the loops round the axis do not add up")
 
 
 def _certified(
@@ -218,14 +239,15 @@ def _certified(
     crossings = [arc.start for arc in arcs if 0 <= arc.start < VERTEX_NODES]
     if len(crossings) != nodes or len(set(crossings)) != nodes:
         raise LayerError(f"{nodes} edge crossings, but {len(crossings)} arcs begin at one")
-    loops = loops_from_arcs(cylinder(radius), arcs)
+    loops = loops_from_arcs(solid.family.sheet(radius), arcs)
     allowed, off = jogs
     jog = max(off, max((loop.jog() for loop in loops), default=0.0))
     if jog > allowed:
         raise LayerError(f"a jog of {jog:.3g} mm is larger than the gaps of the edges allow ({allowed:.3g} mm)")
-    if sum(loop.winding for loop in loops) != 0:
-        raise LayerError("the loops round the axis do not add up")
-    if sum(loop.signed_area() for loop in loops) < -residual * sum(loop.length() for loop in loops):
+    _check_windings(solid, radius, loops)
+    area, length = sum(loop.signed_area() for loop in loops), sum(loop.length() for loop in loops)
+    # where an apex is held, its own share of the area is not among these
+    if solid.family == CYLINDERS and area < -residual * length:
         raise LayerError("the outline holds less than nothing: an arc went the wrong way round")
     checks: dict[str, bool | float | str] = {
         "nodes": nodes,

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from brep_slicer.field import FAINT
 from brep_slicer.geometry import Face, Surface
+from brep_slicer.layers import CYLINDERS, LayerFamily
 from brep_slicer.maps import Array
 
 from .nodes import Nodes
@@ -25,13 +26,14 @@ FOOT_STEPS, FEW, FLAT = 6, 1e-3, 1e-12
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FaceNodes:
     """Arrays (n,) over the crossings of one face's boundary: the `node` in Nodes, its `layer`, whether it `begins` an arc,
-    `theta` and `z` of the node, the face's parameters `uv` there (n, 2), the number of the edge use in its boundary."""
+    `theta` and `height` (z, on cylinders) of the node, the face's parameters `uv` there (n, 2), the number of the edge use in
+    its boundary."""
 
     node: NDArray[np.int64]
     layer: NDArray[np.int64]
     begins: NDArray[np.bool_]
     theta: Array
-    z: Array
+    height: Array
     uv: Array
     use: NDArray[np.int64]
 
@@ -45,13 +47,13 @@ class FaceNodes:
             layer=self.layer[mask],
             begins=self.begins[mask],
             theta=self.theta[mask],
-            z=self.z[mask],
+            height=self.height[mask],
             uv=self.uv[mask],
             use=self.use[mask],
         )
 
 
-def nodes_on_face(face: Face, nodes: Nodes) -> FaceNodes:
+def nodes_on_face(face: Face, nodes: Nodes, family: LayerFamily = CYLINDERS) -> FaceNodes:
     """Gather the crossings of every edge use of a face."""
     index, begins, uv = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=bool)], [np.zeros((0, 2))]
     uses = [np.zeros(0, dtype=np.int64)]
@@ -73,7 +75,7 @@ def nodes_on_face(face: Face, nodes: Nodes) -> FaceNodes:
         layer=nodes.layer[node],
         begins=np.concatenate(begins),
         theta=np.arctan2(points[:, 1], points[:, 0]),
-        z=points[:, 2],
+        height=family.heights(points),
         uv=np.concatenate(uv),
         use=np.concatenate(uses),
     )

@@ -9,8 +9,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from brep_slicer.field import FAINT, flatness_of, radii_of, uses_of_edges
+from brep_slicer.field import FAINT, flatness_of, uses_of_edges
 from brep_slicer.geometry import Brep, EdgeUse, Face
+from brep_slicer.layers import LayerFamily
 from brep_slicer.maps import Array
 
 from .nodes import Nodes, crossings
@@ -21,7 +22,7 @@ GAPS = 2.0
 ON_LEVEL = 1e-10
 
 
-def nodes_on_flatter_faces(brep: Brep, nodes: Nodes, gaps: Array, radii: Array) -> Nodes:
+def nodes_on_flatter_faces(brep: Brep, nodes: Nodes, gaps: Array, radii: Array, family: LayerFamily) -> Nodes:
     """The nodes of every edge that lies off its faces by more than FAINT (`gaps` (edges,), mm), moved along it."""
     loose = np.flatnonzero((gaps > FAINT) & (np.diff(nodes.first) > 0))
     t, points = nodes.t.copy(), nodes.points.copy()
@@ -31,20 +32,20 @@ def nodes_on_flatter_faces(brep: Brep, nodes: Nodes, gaps: Array, radii: Array) 
         assert curve is not None
         if not uses:
             continue
-        flat = [flatness_of(face, use.pcurve.points(nodes.t[mine])) for face, use in uses if use.pcurve is not None]
+        flat = [flatness_of(face, use.pcurve.points(nodes.t[mine]), family) for face, use in uses if use.pcurve is not None]
         flatter = np.argmax(flat, axis=0)
         for k, (face, use) in enumerate(uses):
             rows = np.flatnonzero(flatter == k)
             if not len(rows):
                 continue
-            at, there = _crossings_on_face(face, use, nodes.span[mine][rows], radius[rows])
-            met = np.abs(radii_of(there) - radius[rows]) <= ON_LEVEL
-            met &= np.abs(radii_of(curve.points(at)) - radius[rows]) <= GAPS * gaps[number]
+            at, there = _crossings_on_face(face, use, nodes.span[mine][rows], radius[rows], family)
+            met = np.abs(family.value(there) - radius[rows]) <= ON_LEVEL
+            met &= np.abs(family.value(curve.points(at)) - radius[rows]) <= GAPS * gaps[number]
             t[mine.start + rows[met]], points[mine.start + rows[met]] = at[met], there[met]
     return replace(nodes, t=t, points=points)
 
 
-def _crossings_on_face(face: Face, use: EdgeUse, span: Array, radius: Array) -> tuple[Array, Array]:
+def _crossings_on_face(face: Face, use: EdgeUse, span: Array, radius: Array, family: LayerFamily) -> tuple[Array, Array]:
     """Where, within stretches (n, 2), the edge as the face has it meets the layers: parameters (n,) and points (n, 3)."""
     assert use.pcurve is not None
     pcurve, surface = use.pcurve, face.surface
@@ -56,5 +57,5 @@ def _crossings_on_face(face: Face, use: EdgeUse, span: Array, radius: Array) -> 
         p, su, sv = surface.derivatives(uv)
         return [p, along[:, :1] * su + along[:, 1:] * sv]
 
-    t = crossings(evaluate, span, radius)
+    t = crossings(evaluate, span, radius, family)
     return t, evaluate(t, 0)[0]

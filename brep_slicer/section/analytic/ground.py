@@ -10,8 +10,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from brep_slicer.field import radii_of
 from brep_slicer.geometry import BSplineSurface, BSplineSurfacePack, Face, Surface
+from brep_slicer.layers import CYLINDERS, LayerFamily
 from brep_slicer.maps import Array
 
 Which = NDArray[np.int64]
@@ -20,8 +20,8 @@ Which = NDArray[np.int64]
 class Ground:
     """`faces` that are traced on together; `scale` (faces, 2) is what a step in u or v is in mm, `box` (faces, 2, 2)."""
 
-    def __init__(self, faces: Sequence[Face]) -> None:
-        self.faces = tuple(faces)
+    def __init__(self, faces: Sequence[Face], family: LayerFamily = CYLINDERS) -> None:
+        self.faces, self.family = tuple(faces), family
         self.box = np.array([face.box for face in faces])
         self.derivatives: Callable[[Which, Array], tuple[Array, Array, Array]]
         if len(faces) == 1:
@@ -41,20 +41,18 @@ class Ground:
         return np.maximum(np.stack(sizes, axis=1), 1e-12)
 
     def gap(self, which: Which, uv: Array, radius: Array) -> tuple[Array, Array, Array]:
-        """(rho - R, d rho / du, d rho / dv) at uv (n, 2)."""
-        return _gap(self.derivatives(which, uv), radius)
+        """(c - level, dc / du, dc / dv) at uv (n, 2); rho - R on cylinders."""
+        return _gap(self.derivatives(which, uv), radius, self.family)
 
 
-def level_gap(surface: Surface, uv: Array, radius: Array) -> tuple[Array, Array, Array]:
-    """(rho - R, d rho / du, d rho / dv) at uv (n, 2) of one surface."""
-    return _gap(surface.derivatives(uv), radius)
+def level_gap(surface: Surface, uv: Array, radius: Array, family: LayerFamily) -> tuple[Array, Array, Array]:
+    """(c - level, dc / du, dc / dv) at uv (n, 2) of one surface."""
+    return _gap(surface.derivatives(uv), radius, family)
 
 
-def _gap(found: tuple[Array, Array, Array], radius: Array) -> tuple[Array, Array, Array]:
+def _gap(found: tuple[Array, Array, Array], radius: Array, family: LayerFamily) -> tuple[Array, Array, Array]:
     p, su, sv = found
-    rho = radii_of(p)
-    safe = np.maximum(rho, 1e-300)
-    return rho - radius, (p[:, 0] * su[:, 0] + p[:, 1] * su[:, 1]) / safe, (p[:, 0] * sv[:, 0] + p[:, 1] * sv[:, 1]) / safe
+    return family.value(p) - radius, family.change(p, su), family.change(p, sv)
 
 
 def grouped(faces: Sequence[Face]) -> list[list[int]]:

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brep_slicer.field import radii_of
 from brep_slicer.geometry import Face
+from brep_slicer.layers import LayerFamily
 from brep_slicer.maps import Array
 
 # Grid lines a smooth patch of the surface, and the most along one side of a face.
@@ -24,12 +24,13 @@ ALIKE = 1e-9
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FaceGrid:
-    """rho on a grid of a face's box: `u` (n,), `v` (m,), `rho` (n, m); `scale` (2,) is mm a unit of u and v."""
+    """The level on a grid of a face's box: `u` (n,), `v` (m,), `rho` (n, m); `scale` (2,) is mm a unit of u and v."""
 
     u: Array
     v: Array
     rho: Array
     scale: Array
+    family: LayerFamily
 
     def level_lines(self, radius: float) -> list[Array]:
         """Polylines (k, 2) in (u, v) where rho = radius, no two neighbours alike; closed ones repeat their first point."""
@@ -49,8 +50,8 @@ class FaceGrid:
         return line[keep]
 
 
-def grid_of_face(face: Face, stationary: Array) -> FaceGrid:
-    """Evaluate rho on a grid that respects the surface's patches.
+def grid_of_face(face: Face, stationary: Array, family: LayerFamily) -> FaceGrid:
+    """Evaluate the level (rho, on cylinders) on a grid that respects the surface's patches.
 
     `stationary` (n, 2) are points where rho has, or may have, an extreme or a saddle: grid lines go through them, and close in
     on them, so that an island is found however little of it rises above the layer.
@@ -59,11 +60,11 @@ def grid_of_face(face: Face, stationary: Array) -> FaceGrid:
     u, v = (_closing_in(lines, stationary[:, k], face.box[:, k]) for k, lines in enumerate((u, v)))
     uv = np.stack(np.meshgrid(u, v, indexing="ij"), axis=-1).reshape(-1, 2)
     points = face.surface.points(uv)
-    rho = radii_of(points).reshape(len(u), len(v))
+    rho = family.value(points).reshape(len(u), len(v))
     xyz = points.reshape(len(u), len(v), 3)
     along_u = np.linalg.norm(np.diff(xyz, axis=0), axis=2).sum(axis=0).mean() / max(u[-1] - u[0], 1e-300)
     along_v = np.linalg.norm(np.diff(xyz, axis=1), axis=2).sum(axis=1).mean() / max(v[-1] - v[0], 1e-300)
-    return FaceGrid(u=u, v=v, rho=rho, scale=np.maximum([along_u, along_v], 1e-12))
+    return FaceGrid(u=u, v=v, rho=rho, scale=np.maximum([along_u, along_v], 1e-12), family=family)
 
 
 def _closing_in(lines: Array, peaks: Array, ends: Array) -> Array:

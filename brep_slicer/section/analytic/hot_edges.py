@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from brep_slicer.field import radii_of
 from brep_slicer.geometry import Brep, Edge, EdgeUse, Face
+from brep_slicer.layers import LayerFamily
 from brep_slicer.maps import Array
-from brep_slicer.section.unroll import curve_on_cylinder
+from brep_slicer.section.unroll import curve_on_sheet
 
 from .closed_forms import FaceArcs
 from .face_nodes import FaceNodes
@@ -41,30 +41,31 @@ class HotEdges:
     brep: Brep
     level: Array
     layers: dict[int, list[int]]
+    family: LayerFamily
 
     def on(self, edge: int) -> list[int]:
         """The layers of one edge."""
         return self.layers.get(edge, [])
 
 
-def hot_edges(brep: Brep, edge_level: Array, radii: Array, *, noisy: bool = False) -> HotEdges:
+def hot_edges(brep: Brep, edge_level: Array, radii: Array, family: LayerFamily, *, noisy: bool = False) -> HotEdges:
     """The level edges with their layers; if `noisy`, with those just outside that their own noise reaches, too."""
     out: dict[int, list[int]] = {}
     for edge in np.flatnonzero(np.isfinite(edge_level)).tolist():
         level = float(edge_level[edge])
         begin, end = np.searchsorted(radii, [level - HOT, level + (NOISIEST if noisy else HOT)])
         if noisy and end > begin:
-            end = np.searchsorted(radii, level + max(HOT, STRAYS * _strays(brep.edges[edge], level)))
+            end = np.searchsorted(radii, level + max(HOT, STRAYS * _strays(brep.edges[edge], level, family)))
         if end > begin:
             out[edge] = list(range(int(begin), int(end)))
-    return HotEdges(brep=brep, level=edge_level, layers=out)
+    return HotEdges(brep=brep, level=edge_level, layers=out, family=family)
 
 
-def _strays(edge: Edge, level: float) -> float:
+def _strays(edge: Edge, level: float, family: LayerFamily) -> float:
     """How far an edge strays from its level, mm."""
     if edge.curve is None:
         return 0.0
-    return float(np.abs(radii_of(edge.curve.points(np.linspace(edge.first, edge.last, SAMPLES))) - level).max())
+    return float(np.abs(family.value(edge.curve.points(np.linspace(edge.first, edge.last, SAMPLES))) - level).max())
 
 
 def arcs_on_hot_edges(face: Face, found: FaceNodes, radii: Array, hot: HotEdges) -> tuple[FaceArcs, np.ndarray]:
@@ -76,7 +77,7 @@ def arcs_on_hot_edges(face: Face, found: FaceNodes, radii: Array, hot: HotEdges)
         rows = np.flatnonzero(found.layer == layer)
         for run in _runs(face, found, rows, layer, hot):
             start, end, inner = run
-            if not all((_rise(face, use)[0] > float(radii[layer])).all() for use in inner):
+            if not all((_rise(face, use, hot.family)[0] > float(radii[layer])).all() for use in inner):
                 continue
             free[[start, end]] = False
             _add_run(hot, face, arcs, float(radii[layer]), layer, (int(found.node[start]), int(found.node[end])), inner)
@@ -91,7 +92,7 @@ def arcs_on_hot_loops(face: Face, radii: Array, hot: HotEdges) -> tuple[FaceArcs
         layers = set.intersection(*(set(hot.on(use.edge)) for use in uses)) if uses else set()
         for layer in sorted(layers):
             radius = float(radii[layer])
-            if all((_rise(face, use)[0] > radius).all() for use in uses):
+            if all((_rise(face, use, hot.family)[0] > radius).all() for use in uses):
                 corner = VERTEX_NODES + hot.brep.edges[uses[0].edge].vertices[0 if uses[0].forward else 1]
                 _add_run(hot, face, arcs, radius, layer, (corner, corner), uses)
     return arcs, set(arcs.layer)
@@ -121,8 +122,8 @@ def _in_order(found: FaceNodes, mine: np.ndarray, use: EdgeUse) -> list[int]:
     return (ordered if use.forward else ordered[::-1]).tolist()
 
 
-def _rise(face: Face, use: EdgeUse, shares: ArrayLike = (0.5,)) -> tuple[Array, Array]:
-    """rho (n,) of the face a little inside of a hot edge, at shares of its parameters, and how far inside that is (n,), mm.
+def _rise(face: Face, use: EdgeUse, family: LayerFamily, shares: ArrayLike = (0.5,)) -> tuple[Array, Array]:
+    """c (n,) of the face a little inside of a hot edge, at shares of its parameters, and how far inside that is (n,), mm.
 
     A face that leaves the edge outwards has its section there, one that goes on inwards elsewhere. Judged at a thousandth of
     the face's size from the edge, where a face that is tangent there has risen too.
@@ -139,15 +140,15 @@ def _rise(face: Face, use: EdgeUse, shares: ArrayLike = (0.5,)) -> tuple[Array, 
     left = face.sign * np.stack([-along[:, 1], along[:, 0]], axis=1) / np.maximum(np.hypot(*along.T), 1e-300)[:, None]
     size = np.hypot(*((face.box[1] - face.box[0]) * scale).T)
     inside = p + INWARDS * size[:, None] * left / np.maximum(scale, 1e-300)
-    return radii_of(face.surface.points(inside)), INWARDS * size
+    return family.value(face.surface.points(inside)), INWARDS * size
 
 
-def _moved(face: Face, use: EdgeUse, level: float, height: float) -> float:
+def _moved(face: Face, use: EdgeUse, family: LayerFamily, level: float, height: float) -> float:
     """How far a face's outline at `height` (mm) above a hot edge's level may lie from the edge, mm.
 
     A face that rises by some height over a way x rises by less over less of it, as x**2 at the least where it is tangent.
     """
-    rho, way = _rise(face, use, np.linspace(0.02, 0.98, SAMPLES))
+    rho, way = _rise(face, use, family, np.linspace(0.02, 0.98, SAMPLES))
     return float((way * np.sqrt(height / np.maximum(rho - level, 1e-300))).max())
 
 
@@ -174,10 +175,10 @@ def _add_run(
     for k, use in enumerate(inner):
         edge, level = hot.brep.edges[use.edge], float(hot.level[use.edge])
         assert edge.curve is not None
-        curve = curve_on_cylinder(edge.curve, edge.first, edge.last, radius, forward=use.forward)
-        off = _strays(edge, radius)
+        curve = curve_on_sheet(edge.curve, edge.first, edge.last, hot.family.sheet(radius), forward=use.forward)
+        off = _strays(edge, radius, hot.family)
         if off > HOT and radius > level + HOT:
-            off += _moved(face, use, level, off)
+            off += _moved(face, use, hot.family, level, off)
         arcs.residual[layer] = max(arcs.residual.get(layer, 0.0), off)
         following = ends[1] if k == len(inner) - 1 else VERTEX_NODES + edge.vertices[1 if use.forward else 0]
         arcs.add(curve, layer, last, following)

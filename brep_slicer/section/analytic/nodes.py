@@ -14,9 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from brep_slicer.field import SNAP, EdgeStretches, radii_of
+from brep_slicer.field import SNAP, EdgeStretches
 from brep_slicer.geometry import Brep
 from brep_slicer.geometry.edge_curves import BSplinePack, EdgeCurve, LineEdge
+from brep_slicer.layers import CYLINDERS, LayerFamily
 from brep_slicer.maps import Array
 
 MOST_STEPS = 60
@@ -47,7 +48,7 @@ class Nodes:
         return slice(int(self.first[edge]), int(self.first[edge + 1]))
 
 
-def find_nodes(brep: Brep, stretches: EdgeStretches, radii: Array) -> Nodes:
+def find_nodes(brep: Brep, stretches: EdgeStretches, radii: Array, family: LayerFamily = CYLINDERS) -> Nodes:
     """Cross every stretch with every radius in its range (`radii` increasing, mm).
 
     A layer at R counts a point as above it if its effective radius is larger than R + SNAP: the one-sided limit from outside.
@@ -64,8 +65,8 @@ def find_nodes(brep: Brep, stretches: EdgeStretches, radii: Array) -> Nodes:
     for curves, mine, which in _groups(brep, edge, first):
         evaluate = _together(curves, which)
         span, radius = stretches.t[stretch[mine]], radii[layer[mine]]
-        line = curves[0] if len(curves) == 1 and isinstance(curves[0], LineEdge) else None
-        t[mine] = crossings(evaluate, span, radius) if line is None else _on_line(line, span, radius)
+        line = curves[0] if len(curves) == 1 and isinstance(curves[0], LineEdge) and family == CYLINDERS else None
+        t[mine] = crossings(evaluate, span, radius, family) if line is None else _on_line(line, span, radius)
         points[mine] = evaluate(t[mine], 0)[0]
     rising = stretches.rho[stretch, 1] > stretches.rho[stretch, 0]
     return Nodes(layer=layer, edge=edge, t=t, span=stretches.t[stretch], points=points, rising=rising, first=first)
@@ -96,13 +97,13 @@ def _together(curves: list[EdgeCurve], which: NDArray[np.int64]) -> Evaluate:
     return lambda t, order: pack.derivatives(which, t, order)
 
 
-def crossings(evaluate: Evaluate, span: Array, radius: Array) -> Array:
-    """Solve rho(t) = radius on monotone stretches (n, 2), by Newton kept inside of a shrinking bracket.
+def crossings(evaluate: Evaluate, span: Array, radius: Array, family: LayerFamily = CYLINDERS) -> Array:
+    """Solve c(t) = radius (rho, on cylinders) on monotone stretches (n, 2), by Newton kept inside of a shrinking bracket.
 
     Where effective radii say that there is a crossing and the curve itself falls just short of it, the nearer end is taken.
     """
     a, b = span[:, 0].copy(), span[:, 1].copy()
-    fa, fb = (radii_of(evaluate(t, 0)[0]) - radius for t in (a, b))
+    fa, fb = (family.value(evaluate(t, 0)[0]) - radius for t in (a, b))
     short = fa * fb > 0.0
     nearer = np.where(np.abs(fa) < np.abs(fb), a, b)
     sign = np.where(fa < fb, 1.0, -1.0)
@@ -111,8 +112,7 @@ def crossings(evaluate: Evaluate, span: Array, radius: Array) -> Array:
     before = np.full(len(t), np.inf)
     for _ in range(MOST_STEPS):
         p, d = evaluate(t, 1)
-        f = (p[:, 0] ** 2 + p[:, 1] ** 2) - radius**2
-        slope = 2.0 * (p[:, 0] * d[:, 0] + p[:, 1] * d[:, 1])
+        f, slope, scale = family.equation(p, radius), family.equation_slope(p, d), family.equation_size(p, radius)
         below = sign * f < 0.0
         a, b = np.where(below, t, a), np.where(below, b, t)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -120,9 +120,9 @@ def crossings(evaluate: Evaluate, span: Array, radius: Array) -> Array:
         low, high = np.minimum(a, b), np.maximum(a, b)
         outside = ~((new >= low) & (new <= high))
         new = np.where(outside, 0.5 * (a + b), new)
-        # what is left is rounding: of rho**2, of the parameter, or of the curve's own sums, which no step makes smaller
+        # what is left is rounding: of the equation, of the parameter, or of the curve's own sums, which no step makes smaller
         size = np.abs(f)
-        exact = (size <= ROUNDING * radius**2) | ((size <= STALLED * radius**2) & (size >= 0.25 * before))
+        exact = (size <= ROUNDING * scale) | ((size <= STALLED * scale) & (size >= 0.25 * before))
         done = exact | (np.abs(new - t) <= ROUNDING * np.maximum(np.abs(t), np.abs(span[:, 1] - span[:, 0])))
         t, before = np.where(exact, t, new), size
         if (done | short).all():

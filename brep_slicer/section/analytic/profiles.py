@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from brep_slicer.field import radii_of
 from brep_slicer.field.turning_points import turning_points
 from brep_slicer.geometry import Edge, EdgeCurve
+from brep_slicer.layers import CYLINDERS, LayerFamily
 from brep_slicer.maps import Array
 
 from .nodes import crossings
@@ -31,23 +31,25 @@ class Places:
     point: Array
 
 
-def places_on_profile(curve: EdgeCurve, ends: Array, parameter: Array, layer: NDArray[np.int64], radius: Array) -> Places:
-    """For nodes at `parameter` (n,) near a profile, the nearest place with rho = `radius` (n,) of their `layer` (n,).
+def places_on_profile(
+    curve: EdgeCurve, ends: Array, parameter: Array, layer: NDArray[np.int64], radius: Array, family: LayerFamily = CYLINDERS
+) -> Places:
+    """For nodes at `parameter` (n,) near a profile, the nearest place at the level `radius` (n,) of their `layer` (n,).
 
     `ends` (2,) is the profile's own range. Where it does not come to the radius at all (a node on an edge beyond its crest),
     its crest is the place: the gap is the edge's, and is held against what the edge's gaps explain like any other.
     """
     slack = BEYOND * float(ends[1] - ends[0])
     first, last = min(float(ends[0]), parameter.min()) - slack, max(float(ends[1]), parameter.max()) + slack
-    (turns,) = turning_points([Edge(curve=curve, first=first, last=last, vertices=(0, 0), tolerance=0.0)])
+    (turns,) = turning_points([Edge(curve=curve, first=first, last=last, vertices=(0, 0), tolerance=0.0)], family)
     t = np.concatenate([[first], turns, [last]])
-    rho = radii_of(curve.points(t))
+    rho = family.value(curve.points(t))
     layers, where = np.unique(layer, return_index=True)
     radii = radius[where]
     # every layer with every stretch of the profile that it crosses
     row, stretch = np.nonzero((rho[:-1] > radii[:, None]) != (rho[1:] > radii[:, None]))
     span = np.stack([t[stretch], t[stretch + 1]], axis=1)
-    found = crossings(curve.derivatives, span, radii[row]) if len(row) else np.zeros(0)
+    found = crossings(curve.derivatives, span, radii[row], family) if len(row) else np.zeros(0)
     lost = np.setdiff1d(np.arange(len(layers)), row)
     crest = t[np.abs(rho[None, :] - radii[lost, None]).argmin(axis=1)]
     row, place = np.concatenate([row, lost]), np.concatenate([found, crest])

@@ -101,7 +101,7 @@ def arcs_on_sphere(face: Face, found: FaceNodes, radii: Array, edged: set[int], 
     reason = f"the crossings on face {face.index} do not pair up"
     arcs.failed.update({layer: reason for layer in found.layer[~meets[found.layer]].tolist()})
     arcs.failed.update({layer: reason for layer in edged if rings[layer]})
-    side = np.where(found.z >= sphere.z, 1.0, -1.0)
+    side = np.where(found.height >= sphere.z, 1.0, -1.0)
     round_ones = meets[found.layer] & rings[found.layer]
     if round_ones.any():
         _add_rings(sphere, found.select(round_ones), radii, side[round_ones], arcs)
@@ -141,7 +141,7 @@ def _add_ovals(sphere: _Sphere, found: FaceNodes, radii: Array, arcs: FaceArcs) 
 
 def _angle_of_fold(sphere: _Sphere, found: FaceNodes, radius: Array) -> Array:
     """p (n,) of nodes on ovals, x = -h cos p: by x in the middle, towards the ends by the height, which keeps its digits."""
-    h, w = sphere.half_width(radius), found.z - sphere.z
+    h, w = sphere.half_width(radius), found.height - sphere.z
     x = np.mod(found.theta - sphere.phi + np.pi, TURN) - np.pi
     middle = np.arccos(np.clip(-x / h, -1.0, 1.0))
     # the way in from the nearer end: sin(delta / 2) sin(h - delta / 2) = w**2 / (4 R d)

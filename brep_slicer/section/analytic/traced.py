@@ -1,7 +1,7 @@
 """Level curves without a closed form, traced as Bezier spans: all arcs of all layers on a face at once.
 
 In: a ground, pairs of parameters (u, v) that a level curve joins, radii. Out: spans through points that lie on the surface
-and on the cylinder to 1e-10 mm, halved until the curve between them does too.
+and on the sheet to 1e-10 mm, halved until the curve between them does too.
 
 Words: *span*, a stretch of a level curve, one Bezier curve in the plane; *chord line*, the straight line in (u, v) between a
 span's ends: points of the level curve are sought across it.
@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from brep_slicer.curves.spline import bernstein_basis, span_nodes
 from brep_slicer.geometry import Surface
-from brep_slicer.maps import TURN, Array
+from brep_slicer.layers import LayerFamily
+from brep_slicer.maps import Array
 from brep_slicer.section.certificate import LARGEST_ERROR
 
 from .ground import Ground, Which, level_gap
@@ -148,14 +149,14 @@ def _across_chords(ground: Ground, which: Which, uv: Array, radius: Array, share
 
 
 def _unrolled(ground: Ground, which: Which, uv: Array, found: Array, radius: Array, share: Array) -> Array:
-    """(kappa, v) of both ends and of the found points, (n, 2 + k, 2), theta continuous along the span."""
+    """(kappa, v) of both ends and of the found points, (n, 2 + k, 2), continuous along the span."""
     n, k = found.shape[:2]
     flat = np.concatenate([uv, found], axis=1).reshape(-1, 2)
     points = ground.derivatives(np.repeat(which, 2 + k), flat)[0].reshape(n, 2 + k, 3)
-    theta = np.arctan2(points[..., 1], points[..., 0])
     order = np.argsort(np.concatenate([[0.0, 1.0], share]), kind="stable")
-    theta[:, order] = np.unwrap(theta[:, order], axis=1)
-    return np.stack([theta * radius[:, None], points[..., 2]], axis=-1)
+    out = np.empty((n, 2 + k, 2))
+    out[:, order] = ground.family.unrolled(points[:, order], radius)
+    return out
 
 
 def _halved(ground: Ground, which: Which, arc, share: Array, uv: Array, radius: Array):
@@ -166,7 +167,7 @@ def _halved(ground: Ground, which: Which, arc, share: Array, uv: Array, radius: 
         face, rows = ground.faces[number], np.flatnonzero(which == number)
         mine = (cut[rows], at[rows], good[rows])
         for axis, breaks in enumerate(face.surface.breaks(face.box)):
-            _cut_at_breaks(face.surface, uv[rows], radius[rows], axis, breaks, *mine)
+            _cut_at_breaks(face.surface, ground.family, uv[rows], radius[rows], axis, breaks, *mine)
         cut[rows], at[rows], good[rows] = mine
     lost = set(arc[~good].tolist())
     keep = good & ~np.isin(arc, list(lost))
@@ -179,7 +180,9 @@ def _halved(ground: Ground, which: Which, arc, share: Array, uv: Array, radius: 
     return *twice, shares, np.concatenate([first, second]), np.concatenate([radius, radius]), lost
 
 
-def _cut_at_breaks(surface: Surface, uv: Array, radius: Array, axis: int, breaks: Array, cut: Array, at: Array, good) -> None:
+def _cut_at_breaks(
+    surface: Surface, family: LayerFamily, uv: Array, radius: Array, axis: int, breaks: Array, cut: Array, at: Array, good
+) -> None:
     """Move the cuts of spans that cross a break in u (axis 0) or v (1) to the level curve's point on it.
 
     A span that ran across would join two polynomials in one, and converge only as fast as the surface is smooth there.
@@ -201,18 +204,18 @@ def _cut_at_breaks(surface: Surface, uv: Array, radius: Array, axis: int, breaks
         point[:, axis] = value
         start = point.copy()
         for _ in range(NEWTON_STEPS):
-            gap, gu, gv = level_gap(surface, point, radius[rows])
+            gap, gu, gv = level_gap(surface, point, radius[rows], family)
             slope = gv if axis == 0 else gu
             with np.errstate(divide="ignore", invalid="ignore"):
                 point[:, 1 - axis] -= np.where(np.abs(gap) <= ON_LEVEL, 0.0, gap / slope)
             point = np.where(np.isfinite(point), point, start)
-        gap, _, _ = level_gap(surface, point, radius[rows])
+        gap, _, _ = level_gap(surface, point, radius[rows], family)
         size = np.abs(uv[rows, 1, 1 - axis] - uv[rows, 0, 1 - axis]) + 1e-6
         held = (np.abs(gap) <= 1e-10) & (np.abs(point[:, 1 - axis] - start[:, 1 - axis]) <= 2.0 * size)
         cut[rows[held]], at[rows[held]], good[rows[held]] = point[held], fraction[held], True
 
 
-def arcs_of_spans(spans: Spans, radius: Array) -> dict[int, tuple[Array, Array, float]]:
+def arcs_of_spans(spans: Spans, radius: Array, family: LayerFamily) -> dict[int, tuple[Array, Array, float]]:
     """For each arc: its spans' nodes (m, DEGREE + 1, 2) with kappa continuous, breaks (m + 1,) from 0 to 1, residual."""
     order = np.lexsort((spans.share[:, 0], spans.arc))
     arc, nodes, share = spans.arc[order], spans.nodes[order].copy(), spans.share[order]
@@ -220,13 +223,13 @@ def arcs_of_spans(spans: Spans, radius: Array) -> dict[int, tuple[Array, Array, 
         return {}
     fresh = np.ones(len(arc), dtype=bool)
     fresh[1:] = arc[1:] != arc[:-1]
-    period = TURN * radius[arc]
+    closure = family.closure(radius[arc])
     jump = np.zeros(len(arc))
-    jump[1:] = np.round((nodes[:-1, -1, 0] - nodes[1:, 0, 0]) / period[1:])
+    jump[1:] = closure.nearest_turns(nodes[:, 0], np.roll(nodes[:, -1], 1, axis=0))[1:]
     jump[fresh] = 0.0
     total = np.cumsum(jump)
     total -= total[fresh][np.cumsum(fresh) - 1]
-    nodes[..., 0] += (total * period)[:, None]
+    nodes = family.closure(radius[arc][:, None]).moved(nodes, total[:, None])
     # neighbouring spans meet in one point
     joined = np.flatnonzero(~fresh)
     nodes[joined, 0] = nodes[joined - 1, -1]

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from brep_slicer.curves import Curve
 from brep_slicer.curves.spline import curves_through_nodes, spline_through_nodes, straightened
-from brep_slicer.field import SNAP, radii_of
+from brep_slicer.field import SNAP
 from brep_slicer.geometry import Face
 from brep_slicer.geometry.trimming import trimming_of
+from brep_slicer.layers import CYLINDERS, LayerFamily
 from brep_slicer.maps import Array
 
 from .closed_forms import FaceArcs
@@ -49,6 +50,7 @@ class TracedFace:
     around: Array
     marks: Array
     closed: bool
+    family: LayerFamily
 
 
 def arcs_on_traced_faces(traced: Sequence[TracedFace], radii: Array) -> list[FaceArcs]:
@@ -66,7 +68,7 @@ def arcs_on_traced_faces(traced: Sequence[TracedFace], radii: Array) -> list[Fac
             guided[i] |= layers
     for one, arcs, layers in zip(traced, out, guided, strict=True):
         if layers or one.closed:
-            grid = grid_of_face(one.face, one.around)
+            grid = grid_of_face(one.face, one.around, one.family)
             _guided(one, radii, sorted(layers), arcs, grid)
         if one.closed:
             _check_islands(one.face, one.found, radii, one.marks, arcs)
@@ -112,21 +114,22 @@ def _direct(traced: Sequence[TracedFace], radii: Array, arcs: Sequence[FaceArcs]
     layer, node = gathered("layer", starts), (gathered("node", starts), gathered("node", ends))
     good = np.isfinite(uv).all(axis=(1, 2))
     arc, radius = np.arange(len(face)), radii[layer]
-    ground = Ground([one.face for one in traced])
+    ground = Ground([one.face for one in traced], traced[0].family)
     whole = np.tile([0.0, 1.0], (int(good.sum()), 1))
-    made = arcs_of_spans(trace_spans(ground, face[good], arc[good], whole, uv[good], radius[good]), radius)
-    made = _into_the_face(ground, face, uv, made)
+    made = arcs_of_spans(trace_spans(ground, face[good], arc[good], whole, uv[good], radius[good]), radius, ground.family)
+    made = _into_the_face(ground, face, uv, radius, made)
     curves = _curves(made, np.array([one.face.index for one in traced])[face])
     for k, curve in curves.items():
         one, mine = traced[face[k]], arcs[face[k]]
-        mine.add(closed_form_on_quadric(one.face, curve, float(radius[k])), int(layer[k]), int(node[0][k]), int(node[1][k]))
+        known = _of_its_kind(one.face, curve, float(radius[k]), ground.family)
+        mine.add(known, int(layer[k]), int(node[0][k]), int(node[1][k]))
         mine.residual[int(layer[k])] = max(mine.residual.get(int(layer[k]), 0.0), made[k][2])
     missed = np.setdiff1d(arc, np.array(list(curves), dtype=np.int64))
     return [set(layer[missed[face[missed] == number]].tolist()) for number in range(len(traced))]
 
 
 def _into_the_face(
-    ground: Ground, which: NDArray[np.int64], uv: Array, made: dict[int, tuple[Array, Array, float]]
+    ground: Ground, which: NDArray[np.int64], uv: Array, radius: Array, made: dict[int, tuple[Array, Array, float]]
 ) -> dict[int, tuple[Array, Array, float]]:
     """Those traced arcs that run along the section at both ends: T = e_rho x n, the metal on its left.
 
@@ -141,9 +144,9 @@ def _into_the_face(
     for end in (0, 1):
         p, su, sv = ground.derivatives(which[keys], uv[keys, end])
         n = sign[:, None] * np.cross(su, sv)
-        rho = np.maximum(radii_of(p), 1e-300)
-        along = np.stack([-n[:, 2], (n[:, 1] * p[:, 0] - n[:, 0] * p[:, 1]) / rho], axis=1)
+        along = ground.family.flat_vectors(p, np.cross(ground.family.gradient(p), n))
         nodes = np.array([made[k][0][0, :2] if end == 0 else made[k][0][-1, -2:] for k in keys.tolist()])
+        along = ground.family.closure(1.0).turned(along, ground.family.closure(radius[keys]).copies_of(nodes[:, end]))
         good &= np.einsum("ij,ij->i", nodes[:, 1] - nodes[:, 0], along) >= 0.0
     return {k: made[k] for k in keys[good].tolist()}
 
@@ -172,12 +175,24 @@ def _curves(made: dict[int, tuple[Array, Array, float]], face: NDArray[np.int64]
 
 
 def _add(
-    face: Face, arcs: FaceArcs, traced: tuple[Array, Array, float], radius: float, layer: int, start: int, end: int
+    face: Face,
+    arcs: FaceArcs,
+    traced: tuple[Array, Array, float],
+    family: LayerFamily,
+    radius: float,
+    layer: int,
+    start: int,
+    end: int,
 ) -> None:
     nodes, breaks, residual = traced
     curve = straightened(spline_through_nodes(nodes, breaks, residual=residual, face=face.index), STRAIGHT)
-    arcs.add(closed_form_on_quadric(face, curve, radius), layer, start, end)
+    arcs.add(_of_its_kind(face, curve, radius, family), layer, start, end)
     arcs.residual[layer] = max(arcs.residual.get(layer, 0.0), residual)
+
+
+def _of_its_kind(face: Face, curve: Curve, radius: float, family: LayerFamily) -> Curve:
+    """A traced curve in closed form where it has one."""
+    return closed_form_on_quadric(face, curve, radius) if family == CYLINDERS else curve
 
 
 def _guided(one: TracedFace, radii: Array, layers: list[int], arcs: FaceArcs, grid: FaceGrid) -> None:
@@ -199,7 +214,7 @@ def _guided(one: TracedFace, radii: Array, layers: list[int], arcs: FaceArcs, gr
             used = _trace_guided(face, found, grid, lines, mine, radius, layer, arcs)
             if used is None:
                 # where a face is nearly level, a coarse grid's lines pass by its nodes; one that closes in on them leads there
-                finer = grid_of_face(face, np.concatenate([found.uv[mine], around]))
+                finer = grid_of_face(face, np.concatenate([found.uv[mine], around]), grid.family)
                 lines = finer.level_lines(radius)
                 used = _trace_guided(face, found, finer, lines, mine, radius, layer, arcs)
             if used is None:
@@ -223,7 +238,7 @@ def _trace_guided(
     cell = np.array([np.diff(grid.u).max(), np.diff(grid.v).max()]) * grid.scale
     if (placed.distance > CELLS_AWAY * np.hypot(*cell)).any():
         return None
-    way = np.array([_way(face, line, radius) for line in lines])
+    way = np.array([_way(face, line, radius, grid.family) for line in lines])
     round_ones = np.array([np.array_equal(line[0], line[-1]) for line in lines])
     here = found.select(np.isin(np.arange(len(found)), mine))
     position = placed.position * way[placed.line]
@@ -250,7 +265,7 @@ def _trace_guided(
     return set(placed.line.tolist()) if traced else None
 
 
-def _way(face: Face, line: Array, radius: float) -> float:
+def _way(face: Face, line: Array, radius: float, family: LayerFamily) -> float:
     """+1 where a guide runs along the section, -1 where against it: T in (u, v) is sign * (d rho/dv, -d rho/du).
 
     Its longest step is asked.
@@ -258,7 +273,7 @@ def _way(face: Face, line: Array, radius: float) -> float:
     steps = np.diff(line, axis=0)
     k = int(np.hypot(*(steps / np.maximum(np.ptp(line, axis=0), 1e-300)).T).argmax())
     middle = 0.5 * (line[k] + line[k + 1])
-    _, gu, gv = level_gap(face.surface, middle[None], np.array([radius]))
+    _, gu, gv = level_gap(face.surface, middle[None], np.array([radius]), family)
     along = steps[k]
     return 1.0 if face.sign * (gv[0] * along[0] - gu[0] * along[1]) > 0.0 else -1.0
 
@@ -273,11 +288,11 @@ def _onto_level(face: Face, points: Array, radius: float, grid: FaceGrid) -> Arr
     uv = points.copy()
     square = grid.scale**2
     for _ in range(24):
-        gap, gu, gv = level_gap(face.surface, uv, np.full(len(uv), radius))
+        gap, gu, gv = level_gap(face.surface, uv, np.full(len(uv), radius), grid.family)
         size = gu * gu / square[0] + gv * gv / square[1]
         uv = uv - np.stack([gu / square[0], gv / square[1]], axis=1) * (gap / np.maximum(size, 1e-12))[:, None]
         uv = np.clip(uv, face.box[0], face.box[1])
-    gap, _, _ = level_gap(face.surface, uv, np.full(len(uv), radius))
+    gap, _, _ = level_gap(face.surface, uv, np.full(len(uv), radius), grid.family)
     return uv[np.abs(gap) <= 1e-8]
 
 
@@ -296,19 +311,19 @@ def _trace_plans(face: Face, grid: FaceGrid, plans, radius: float, layer: int, h
     radius_of = np.full(len(plans), radius)
     one = np.zeros(len(arc), dtype=np.int64)
     spans = trace_spans(
-        Ground([face]), one, np.array(arc), np.concatenate(share), np.concatenate(uv), np.full(len(arc), radius)
+        Ground([face], grid.family), one, np.array(arc), np.concatenate(share), np.concatenate(uv), np.full(len(arc), radius)
     )
-    made = arcs_of_spans(spans, radius_of)
+    made = arcs_of_spans(spans, radius_of, grid.family)
     if len(made) != len(plans):
         return False
     for number, (i, j, _) in enumerate(plans):
-        _add(face, arcs, made[number], radius, layer, int(here.node[i]), int(here.node[j]))
+        _add(face, arcs, made[number], grid.family, radius, layer, int(here.node[i]), int(here.node[j]))
     return True
 
 
 def _trace_closed(face: Face, grid: FaceGrid, line: Array, radius: float, layer: int, arcs: FaceArcs) -> None:
     """A level curve that meets no edge, from a closed guide."""
-    if _way(face, line, radius) < 0.0:
+    if _way(face, line, radius, grid.family) < 0.0:
         line = line[::-1]
     inner = _onto_level(face, line[:-1][:: max(1, min(VERTICES_PER_SPAN, (len(line) - 1) // 4))], radius, grid)
     reason = f"an island on face {face.index} could not be followed"
@@ -320,9 +335,9 @@ def _trace_closed(face: Face, grid: FaceGrid, line: Array, radius: float, layer:
     share, uv = np.stack([steps[:-1], steps[1:]], axis=1), np.stack([chain[:-1], chain[1:]], axis=1)
     count = len(chain) - 1
     one = np.zeros(count, dtype=np.int64)
-    spans = trace_spans(Ground([face]), one, one, share, uv, np.full(count, radius))
-    made = arcs_of_spans(spans, np.array([radius]))
+    spans = trace_spans(Ground([face], grid.family), one, one, share, uv, np.full(count, radius))
+    made = arcs_of_spans(spans, np.array([radius]), grid.family)
     if 0 not in made:
         arcs.failed[layer] = reason
         return
-    _add(face, arcs, made[0], radius, layer, -1, -1)
+    _add(face, arcs, made[0], grid.family, radius, layer, -1, -1)

@@ -49,6 +49,13 @@ if TYPE_CHECKING:
         Inspection as Inspection,
         inspect_part as inspect_part,
     )
+    from .layers import (
+        Cones as Cones,
+        Cylinders as Cylinders,
+        LayerFamily as LayerFamily,
+        Planes as Planes,
+        Sheet as Sheet,
+    )
     from .output.tables import (
         read_toolpath as read_toolpath,
     )
@@ -134,6 +141,7 @@ _HOMES = {
         "fill_region",
     ),
     "inspection": ("Inspection", "inspect_part"),
+    "layers": ("Cones", "Cylinders", "LayerFamily", "Planes", "Sheet"),
     "output.tables": ("read_toolpath",),
     "output.write": ("write_plan",),
     "output.writer": ("Writer",),

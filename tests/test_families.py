@@ -18,7 +18,7 @@ from brep_slicer.section.volume import closure_of
 bd = pytest.importorskip("build123d")
 
 DEG = math.pi / 180.0
-FAMILIES = [Planes(), Planes((1.0, 0.0, 0.0)), *(Cones(a * DEG) for a in (10.0, -10.0, 30.0, -30.0, 60.0))]
+FAMILIES = [Planes(), Planes((1.0, 0.0, 0.0)), *(Cones(a) for a in (10.0, -10.0, 30.0, -30.0, 60.0))]
 FIXTURES = ["box_on_shaft", "cam", "cylinder", "drilled_tube", "eccentric_disc", "helical_gear_tooth", "keyed_band"]
 FIXTURES += ["oblique_tube", "propeller", "spur_gear_tooth", "tube", "wind_blade"]
 Z = bs.axis_from_text("Z")
@@ -38,7 +38,7 @@ def test_a_ring_of_a_cone_is_a_sector(alpha):
     level = 12.0
     low, high = -2.0, 3.0
     disc = bd.Pos(0, 0, 0.5) * (bd.Cylinder(60, 5) - bd.Cylinder(0.5, 5))
-    layer = layer_at(disc, level, Cones(a))
+    layer = layer_at(disc, level, Cones(alpha))
     radii = [(level - z * math.sin(a)) / math.cos(a) for z in (low, high)]
     assert layer.area == pytest.approx(math.pi * abs(radii[0] ** 2 - radii[1] ** 2) / abs(math.sin(a)), rel=1e-12)
     assert layer.region.length == pytest.approx(2.0 * math.pi * sum(radii), rel=1e-12)
@@ -53,7 +53,7 @@ def test_an_apex_inside_of_the_part(alpha):
     a = alpha * DEG
     bar = bd.Pos(0, 0, 15) * bd.Cylinder(10, 30)
     level = 12.0 * math.sin(a)
-    layer = layer_at(bar, level, Cones(a))
+    layer = layer_at(bar, level, Cones(alpha))
     # the cone ends at the bar's side, or at its end if that comes first
     rho = min(10.0, (12.0 if alpha > 0 else 18.0) * math.tan(abs(a)))
     assert layer.area == pytest.approx(math.pi * rho**2 / abs(math.sin(a)), rel=1e-12)
@@ -93,7 +93,7 @@ def test_flat_cones_give_the_cylinders_sections(fixture_step):
     (solid,) = cut_solids(part, axis)
     radii = (solid.critical.lowest + np.array([0.1, 0.4, 0.8]) * np.ptp(solid.critical.radii)).tolist()
     plain = bs.slice_part(part, radii, axis=axis)
-    flat = bs.slice_part(part, radii, axis=axis, family=Cones(1e-6))
+    flat = bs.slice_part(part, radii, axis=axis, family=Cones(math.degrees(1e-6)))
     for one, other in zip(plain, flat, strict=True):
         assert len(one.region.pieces) == len(other.region.pieces)
         farthest = float(np.abs([p.bounds() for p in one.region.pieces]).max())
@@ -127,7 +127,7 @@ def test_the_areas_add_up_to_the_volume(name, family, fixture_step):
         assert integral(solid) == pytest.approx(volume.volume, rel=max(1e-9, volume.defect))
 
 
-@pytest.mark.parametrize("family", [Planes(), Planes((0.6, 0.0, 0.8)), Cones(15.0 * DEG), Cones(-40.0 * DEG)], ids=repr)
+@pytest.mark.parametrize("family", [Planes(), Planes((0.6, 0.0, 0.8)), Cones(15.0), Cones(-40.0)], ids=repr)
 def test_areas_are_those_of_the_surface_integral(family, fixture_step):
     part = bs.read_step(fixture_step("helical_gear_tooth"))
     (solid,) = cut_solids(part, bs.find_axis(part), family)

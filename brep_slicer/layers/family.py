@@ -125,7 +125,7 @@ class LayerFamily(abc.ABC):
 
 @dataclass(frozen=True, slots=True)
 class Cones(LayerFamily):
-    """c = rho cos(alpha) + z sin(alpha): cones at a constant distance from each other, alpha = `half_angle` (rad).
+    """c = rho cos(alpha) + z sin(alpha): cones at a constant distance from each other, alpha = `half_angle_deg` (degrees).
 
     They taper towards +z where alpha > 0; alpha = 0 are cylinders, see there. The nappe with rho >= 0 counts: where a level's
     apex lies inside of the part, its ring ends there.
@@ -133,14 +133,19 @@ class Cones(LayerFamily):
 
     name: ClassVar[str] = "cones"
 
-    half_angle: float
+    half_angle_deg: float
 
     def __post_init__(self) -> None:
         if not abs(self.half_angle) <= MOST_HALF_ANGLE:
             raise ValueError(
-                f"half_angle is the angle between a cone's generator and the axis, less than 90 degrees, in radians "
-                f"({math.degrees(self.half_angle):g} degrees given): planes across the axis are a family of their own"
+                f"half_angle_deg is the angle between a cone's generator and the axis, less than 90 degrees"
+                f" ({self.half_angle_deg:g} given): planes across the axis are a family of their own"
             )
+
+    @property
+    def half_angle(self) -> float:
+        """alpha in rad."""
+        return math.radians(self.half_angle_deg)
 
     def value(self, points: Array) -> Array:
         rho = np.hypot(points[..., 0], points[..., 1])
@@ -214,7 +219,7 @@ class Cylinders(Cones):
 
     name: ClassVar[str] = "cylinders"
 
-    half_angle: float = field(default=0.0, init=False)
+    half_angle_deg: float = field(default=0.0, init=False)
 
     def __repr__(self) -> str:
         return "Cylinders()"

@@ -56,8 +56,8 @@ def slice_part(
     substrate_solids : sequence of int
         Indices of solids that are built upon: their sections are taken away from those of the others.
     family : LayerFamily
-        Cylinders(), Cones(half_angle) or Planes(normal), about the axis and in its frame. Other layers than cylinders are cut
-        by the analytic engine only.
+        Cylinders(), Cones(half_angle_deg) or Planes(normal), about the axis and in its frame. Layers that are no cylinders are
+        cut by the analytic engine only.
 
     Returns
     -------

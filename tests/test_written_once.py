@@ -40,7 +40,8 @@ def test_both_tables_hold_each_number_to_the_bit(n, monkeypatch, tmp_path):
     # in several stretches of rows, and in one
     monkeypatch.setattr(tables, "ROWS_AT_ONCE", 7)
     path = toolpath(n)
-    table, columns = tables.write_tables(path, {"a": 1}, tmp_path)
+    both = tables.Tables(path, {"a": 1})
+    table, columns = both.write_csv(tmp_path), both.write_json(tmp_path)
     assert tables.read_toolpath(columns) == path
     assert json.loads(columns.read_text())["a"] == 1
     rows = list(csv.reader(io.StringIO(table.read_text())))
@@ -58,8 +59,10 @@ def test_a_toolpath_with_what_is_no_number_is_not_written(tmp_path):
     broken = path.speed.copy()
     broken[2] = np.nan
     values = {name: broken if name == "speed" else getattr(path, name) for name in Toolpath.__slots__}
-    with pytest.raises(ValueError, match="not finite"):
-        tables.write_tables(Toolpath(**values), {}, tmp_path)
+    both = tables.Tables(Toolpath(**values), {})
+    for write in (both.write_csv, both.write_json):
+        with pytest.raises(ValueError, match="not finite"):
+            write(tmp_path)
     assert not list(tmp_path.iterdir())
 
 

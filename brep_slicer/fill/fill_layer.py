@@ -16,7 +16,7 @@ from brep_slicer.region import Layer, Piece, band_between, polygon_from_piece
 
 from .bead import LayerFill
 from .fill_region import fill_region
-from .passes.balance import metal_shares
+from .passes.balance import metal_from_beside, metal_shares
 from .passes.interpass import in_cool_order
 from .passes.order import in_short_order_by_pieces
 from .passes.speeds import at_their_speeds
@@ -37,6 +37,7 @@ TOO_MUCH = "its beads hold {share} times its metal: it is narrower than a bead c
 TOO_LITTLE = (
     "its beads hold {share} times its metal: its pattern does not reach all of it; auto or contours do, or slower beads"
 )
+BESIDE = "beads of the pieces beside it lay {share} times its metal into it; outline_position in, or a smaller bead, does not"
 # What lies in corners that beads half a width inside of the outline do not reach is told of from this share of a piece on.
 MOST_IN_CORNERS = 0.02
 IN_CORNERS = (
@@ -114,7 +115,10 @@ def fill_layer(layer: Layer, process: Process, pattern: PatternChoice | None = N
     beads = with_overlap(fill.beads, process.fill.closing_overlap)
     shares = metal_shares(beads, fill.shapes, copies=fill.copies, step_over=process.step_over, width=process.width)
     metal, beyond = tuple(zip(*shares, strict=True)) or ((), ())
+    beside = metal_from_beside(beads, fill.shapes, step_over=process.step_over, width=process.width)
+    metal = tuple(own + more for own, more in zip(metal, beside, strict=True))
     notes = [*fill.notes, *_off_balance(metal), *_bare_lobes(fill)]
+    notes += [_of_piece(NoticeKind.PIECE_METAL, i, BESIDE, share) for i, share in enumerate(beside) if share > METAL_WITHIN]
     if process.inset >= 0.499 * process.width:
         said = [(i, share) for i, share in enumerate(beyond) if share > MOST_BEYOND]
         notes += [_of_piece(NoticeKind.PIECE_METAL, i, BEYOND, share) for i, share in said]

@@ -113,6 +113,41 @@ def metal_shares(
     return out
 
 
+def metal_from_beside(beads: Sequence[Bead], shapes: Sequence[Shape], *, step_over: float, width: float) -> list[float]:
+    """For each piece what the beads of other pieces lay within its outline, over what it holds."""
+    import shapely
+
+    out = [0.0] * len(shapes)
+    if len(shapes) < 2 or not beads:
+        return out
+    mine: list[list[Bead]] = [[] for _ in shapes]
+    for bead in beads:
+        mine[bead.piece].append(bead)
+    boxes = np.array([shape.piece.bounds() for shape in shapes])
+    reached = boxes.copy()
+    for i, each in enumerate(mine):
+        if each:
+            points = np.concatenate([bead.points for bead in each])
+            reached[i] = (*points.min(axis=0), *points.max(axis=0))
+    closure = shapes[0].piece.closure
+    meets = closure.boxes_meet(boxes, reached, 0.5 * width)
+    np.fill_diagonal(meets, False)
+    for i in np.flatnonzero(meets.any(axis=1)).tolist():
+        shape = shapes[i]
+        turns = (0,) if shape.piece.winds else closure.beside
+        others = [bead for j in np.flatnonzero(meets[i]).tolist() for bead in mine[j]]
+        moved = [replace(bead, points=closure.moved(bead.points, k)) for k in turns for bead in others]
+        near = shapely.dwithin(shape.whole, [shapely.LineString(bead.points) for bead in moved], 0.5 * width)
+        laid = metal_of(
+            [bead for bead, flag in zip(moved, near, strict=True) if flag],
+            step_over=step_over,
+            width=width,
+            within=Within(shape, width),
+        )
+        out[i] = float(laid.sum()) / max(shape.piece.area(), 1e-300)
+    return out
+
+
 def with_balanced_metal(
     fill: LayerFill,
     *,
